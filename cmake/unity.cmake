@@ -10,8 +10,8 @@ set(PWLSIM_FILES_APART
   circuit/control_switches circuit/evaluator circuit/formula_functions circuit/formula_reader circuit/functions circuit/measured_expression circuit/measurement_card circuit/models circuit/random
   circuit/scope circuit/sections circuit/values circuit/sweep_card circuit/transient_card circuit/xspice_logic
   engine/exact/control_probe engine/exact/locator_series engine/exact/modal_search engine/exact/piece_maker engine/exact/probe_impulses engine/exact/static_mode engine/exact/static_ports
-  engine/exact/transient engine/sparse/block engine/sparse/block_events engine/sparse/certificate engine/sparse/interior_point
-  engine/sparse/port_solver engine/sparse/start engine/sparse/stretch engine/sparse/transient
+  engine/exact/exact_run engine/sparse/part_run engine/sparse/part_run_events engine/sparse/step_certifier engine/sparse/interior_point
+  engine/sparse/port_solver engine/sparse/start engine/sparse/stretch engine/sparse/sparse_run
   lcp/principal_pivoting
   linalg/careful_elimination
   model/build_mode model/slow_manifold

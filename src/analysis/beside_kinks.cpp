@@ -12,7 +12,7 @@ namespace {
 
 using circuit::Compiled;
 using circuit::MeasuredExpression;
-using circuit::Sensitivities;
+using circuit::SensitivityAnalysis;
 
 constexpr double step_beside = 1e-6;  ///< of a parameter
 constexpr double one_side = 1e-9;     ///< of two derivatives: they are one
@@ -86,8 +86,8 @@ void settle(Derivative& entry, double left, double right, double parameter) {
 
 Compiled moved_deck(const Compiled& compiled, std::size_t parameter, double by) {
   Compiled moved = compiled;
-  Sensitivities& card = *moved.analyses.sensitivities;
-  const Sensitivities::Parameter own = card.parameters[parameter];
+  SensitivityAnalysis& card = *moved.analyses.sensitivities;
+  const SensitivityAnalysis::Parameter own = card.parameters[parameter];
   card.parameters = {own};
   card.parameters.front().value += by;
   model::move(moved.network, own.moves, by);

@@ -11,14 +11,14 @@
 namespace pwlsim::analysis {
 namespace {
 
-using Method = circuit::Sensitivities::Method;
+using Method = circuit::SensitivityAnalysis::Method;
 
 /// Of what is read of the start: less of a free direction is none.
 constexpr double no_reading = 1e-9;
 
 class Columns {
  public:
-  Columns(const circuit::Sensitivities& card, const MeasuredPass& run, const steady::Sensitivity& sensitivity, RunMotion& motion)
+  Columns(const circuit::SensitivityAnalysis& card, const MeasuredPass& run, const steady::Sensitivity& sensitivity, RunMotion& motion)
       : card_(card), run_(run), sensitivity_(sensitivity), motion_(motion), functionals_(run, sensitivity) {}
 
   std::vector<std::vector<TwoSided>> take() {
@@ -129,7 +129,7 @@ class Columns {
       columns[p][measurement] = two_sided(functional, [&](const MeasuredSum& sum) { return values(sum)[p]; });
   }
 
-  const circuit::Sensitivities& card_;
+  const circuit::SensitivityAnalysis& card_;
   const MeasuredPass& run_;
   const steady::Sensitivity& sensitivity_;
   RunMotion& motion_;
@@ -140,7 +140,7 @@ class Columns {
 
 }  // namespace
 
-std::vector<std::vector<TwoSided>> derivative_columns(const circuit::Sensitivities& card, const MeasuredPass& run,
+std::vector<std::vector<TwoSided>> derivative_columns(const circuit::SensitivityAnalysis& card, const MeasuredPass& run,
                                                       const steady::Sensitivity& sensitivity, RunMotion& motion) {
   return Columns(card, run, sensitivity, motion).take();
 }

@@ -32,7 +32,7 @@ class RunMotion {
 };
 
 /// For each parameter the derivatives of all measurements.
-[[nodiscard]] std::vector<std::vector<TwoSided>> derivative_columns(const circuit::Sensitivities& card, const MeasuredPass& run,
+[[nodiscard]] std::vector<std::vector<TwoSided>> derivative_columns(const circuit::SensitivityAnalysis& card, const MeasuredPass& run,
                                                                     const steady::Sensitivity& sensitivity, RunMotion& motion);
 
 }  // namespace pwlsim::analysis

@@ -39,7 +39,7 @@ struct Cause {
 };
 
 Cause cause_of(const Measurement& power, const circuit::Compiled& compiled) {
-  const circuit::Transient& transient = *compiled.analyses.transient;
+  const circuit::TransientAnalysis& transient = *compiled.analyses.transient;
   const auto from = time_of(power.from, transient.start.seconds), to = time_of(power.to, transient.stop.seconds);
   const auto slower = [](const model::Source& x, const model::Source& y) {
     const auto period = [](const model::Source& source) {

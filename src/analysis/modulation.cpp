@@ -6,7 +6,7 @@
 namespace pwlsim::analysis {
 namespace {
 
-using circuit::SmallSignal;
+using circuit::SmallSignalAnalysis;
 using Complex = std::complex<double>;
 
 constexpr double same_time = 1e-9;  ///< of the period: an instant is that of an edge
@@ -30,19 +30,19 @@ std::optional<ModulatedSine> modulated_sine(const model::SourceFunction& functio
 }  // namespace
 
 /// Why the timing of a source cannot be modulated; "" where it can.
-std::string immovable(const model::SourceFunction& function, const SmallSignal& card) {
+std::string immovable(const model::SourceFunction& function, const SmallSignalAnalysis& card) {
   if (std::holds_alternative<model::Pulse>(function)) return "";
-  if (card.input == SmallSignal::Input::duty) return "is not a PULSE source: only edges of PULSE sources can be moved";
+  if (card.input == SmallSignalAnalysis::Input::duty) return "is not a PULSE source: only edges of PULSE sources can be moved";
   return modulated_sine(function, 0, 1.0) ? ""
                                           : "is neither a PULSE source nor a sinusoid without damping: its frequency cannot be modulated";
 }
 
-Modulation::Modulation(const SmallSignal& card, const std::vector<const model::SourceFunction*>& sources,
+Modulation::Modulation(const SmallSignalAnalysis& card, const std::vector<const model::SourceFunction*>& sources,
                        const steady::LinearisedOrbit& orbit)
     : card_(card), orbit_(orbit) {
   for (std::size_t k = 0; k < sources.size(); ++k) {
     if (const auto* pulse = std::get_if<model::Pulse>(sources[k]))
-      waves_.push_back(moved_pulse(*pulse, card.input == SmallSignal::Input::duty, static_cast<int>(k)));
+      waves_.push_back(moved_pulse(*pulse, card.input == SmallSignalAnalysis::Input::duty, static_cast<int>(k)));
     if (const auto sine = modulated_sine(*sources[k], k, orbit.period())) sines_.push_back(*sine);
   }
 }
@@ -53,7 +53,7 @@ steady::ComplexVector Modulation::response(steady::Transfer& transfer, double f,
   std::vector<Complex> by;
   for (const steady::Wave& wave : waves_) {
     const double own = std::get<model::Pulse>(wave.function).period;
-    by.push_back(card_.input == SmallSignal::Input::duty ? Complex(own) : -own / (turning * f));
+    by.push_back(card_.input == SmallSignalAnalysis::Input::duty ? Complex(own) : -own / (turning * f));
   }
   steady::ComplexVector sum = transfer.at(f, card_.harmonic, amplitudes, shifts(by), sample).signals;
   for (const ModulatedSine& sine : sines_) sum += response_to(sine, transfer, f, sample);

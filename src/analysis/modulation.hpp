@@ -14,10 +14,10 @@
 namespace pwlsim::analysis {
 
 /// Why the timing of a source cannot be modulated; "" where it can.
-[[nodiscard]] std::string immovable(const model::SourceFunction& function, const circuit::SmallSignal& card);
+[[nodiscard]] std::string immovable(const model::SourceFunction& function, const circuit::SmallSignalAnalysis& card);
 /// Whether the input moves edges of sources.
-[[nodiscard]] inline bool moves_edges(const circuit::SmallSignal& card) {
-  return card.input == circuit::SmallSignal::Input::frequency || card.input == circuit::SmallSignal::Input::duty;
+[[nodiscard]] inline bool moves_edges(const circuit::SmallSignalAnalysis& card) {
+  return card.input == circuit::SmallSignalAnalysis::Input::frequency || card.input == circuit::SmallSignalAnalysis::Input::duty;
 }
 
 /// A sinusoid whose frequency is modulated. Its phase follows by 2π/(jω) per hertz, so that it adds A cos(ω₀t + φ)·2π/(jω)·e^{jωt}: two inputs, at ω ± ω₀.
@@ -30,7 +30,7 @@ struct ModulatedSine {
 class Modulation {
  public:
   /// `sources`: those of the card, in their order; `orbit` has an input for each. It must outlive this.
-  Modulation(const circuit::SmallSignal& card, const std::vector<const model::SourceFunction*>& sources,
+  Modulation(const circuit::SmallSignalAnalysis& card, const std::vector<const model::SourceFunction*>& sources,
              const steady::LinearisedOrbit& orbit);
 
   /// The card's harmonic of the response at f, to the modulation and to the inputs' `amplitudes`.
@@ -42,7 +42,7 @@ class Modulation {
   [[nodiscard]] steady::ComplexVector response_to(const ModulatedSine& sine, steady::Transfer& transfer, double f,
                                                   const std::optional<double>& sample) const;
 
-  const circuit::SmallSignal& card_;
+  const circuit::SmallSignalAnalysis& card_;
   const steady::LinearisedOrbit& orbit_;
   std::vector<steady::Wave> waves_;
   std::vector<ModulatedSine> sines_;

@@ -1,5 +1,6 @@
 #include <numbers>
 
+#include "analysis/orbit_verdict.hpp"
 #include "analysis/steady_state.hpp"
 
 namespace pwlsim::analysis {

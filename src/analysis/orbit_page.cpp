@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "analysis/bode_figure.hpp"
+#include "analysis/orbit_verdict.hpp"
 #include "analysis/quantity.hpp"
 
 namespace pwlsim::analysis {
@@ -21,11 +22,14 @@ std::string escaped(std::string_view text) {
 class Plane {
  public:
   Plane(double reach, std::string_view what) : reach_(reach) {
-    text_ = fmt::format("<svg role=\"img\" aria-label=\"{0}\" width=\"{1}\" height=\"{1}\" viewBox=\"0 0 {1} {1}\">\n"
-                        "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-                        what, size);
-    text_ += fmt::format("<path d=\"M0 {0}H{1}M{0} 0V{1}\" stroke=\"#dddddd\"/>\n<circle cx=\"{0}\" cy=\"{0}\" r=\"{2:.2f}\" fill=\"none\" stroke=\"#666666\"/>\n",
-                         size / 2.0, size, size / 2.0 / reach_);
+    text_ = fmt::format(
+        "<svg role=\"img\" aria-label=\"{0}\" width=\"{1}\" height=\"{1}\" viewBox=\"0 0 {1} {1}\">\n"
+        "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
+        what, size);
+    text_ += fmt::format(
+        "<path d=\"M0 {0}H{1}M{0} 0V{1}\" stroke=\"#dddddd\"/>\n<circle cx=\"{0}\" cy=\"{0}\" r=\"{2:.2f}\" fill=\"none\" "
+        "stroke=\"#666666\"/>\n",
+        size / 2.0, size, size / 2.0 / reach_);
   }
   void dot(std::complex<double> value, std::string_view colour) {
     text_ += fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"4\" fill=\"{}\"/>\n", x(value), y(value), colour);
@@ -59,8 +63,11 @@ std::string multipliers_html(const SteadyState& state) {
     if (k >= most_listed) continue;
     const auto shares = shares_of(state, m.direction);
     rows += fmt::format("<tr><td>{:.6g}{}</td><td>{:.6g}</td><td>{}</td></tr>\n", m.value.real(),
-                        m.value.imag() == 0.0 ? "" : fmt::format(" {} {:.6g}j", m.value.imag() < 0.0 ? "−" : "+", std::abs(m.value.imag())), std::abs(m.value),
-                        m.trivial ? "along the orbit" : shares.empty() ? "" : escaped(shares.front().first));
+                        m.value.imag() == 0.0 ? "" : fmt::format(" {} {:.6g}j", m.value.imag() < 0.0 ? "−" : "+", std::abs(m.value.imag())),
+                        std::abs(m.value),
+                        m.trivial        ? "along the orbit"
+                        : shares.empty() ? ""
+                                         : escaped(shares.front().first));
   }
   return "<h3>Floquet multipliers</h3>\n" + plane.take() +
          "<div class=\"scroll\"><table><tr><th>multiplier</th><th>magnitude</th><th>mostly</th></tr>\n" + rows + "</table></div>\n";
@@ -74,8 +81,8 @@ std::string orbit_section(const RunOutcome& outcome) {
   std::string text = "<section id=\"steady-state\">\n";
   if (has_orbit) {
     const steady::Orbit& orbit = outcome.steady_state->orbit;
-    text += fmt::format("<h2>Steady state</h2>\n<p>Period {}; residual {:.1g} after {} and {}.</p>\n", quantity(orbit.period, "s"), orbit.residual,
-                        counted(static_cast<std::uint64_t>(orbit.iterations), "Newton step"),
+    text += fmt::format("<h2>Steady state</h2>\n<p>Period {}; residual {:.1g} after {} and {}.</p>\n", quantity(orbit.period, "s"),
+                        orbit.residual, counted(static_cast<std::uint64_t>(orbit.iterations), "Newton step"),
                         counted(static_cast<std::uint64_t>(orbit.periods_simulated), "period"));
     text += multipliers_html(*outcome.steady_state);
   }

@@ -69,7 +69,7 @@ SmallSignalResult small_signals(const Compiled& compiled, const SteadyState& sta
   SmallSignalResult result = small_signals(compiled, *state.inputs, state.network_with_inputs(), state.model_with_inputs(),
                                            state.trace_with_inputs(), state.orbit.period, !state.common.sources.empty());
   // Edges that move, and samples, would need more than the impulses of jumps.
-  const circuit::SmallSignal& card = *compiled.analyses.small_signal;
+  const circuit::SmallSignalAnalysis& card = *compiled.analyses.small_signal;
   std::vector<int> impulsive = impulsive_signals(compiled, state, moves_edges(card));
   if (!moves_edges(card) && !card.sample)
     std::erase_if(impulsive, [&](int signal) {

@@ -17,7 +17,7 @@ constexpr double beyond_end = 1e-9;
 /// A model, and where its run begins.
 struct Beginning {
   std::shared_ptr<const engine::ExactModel> model;
-  engine::Start start;  ///< where the deck says
+  engine::RunStart start;  ///< where the deck says
   engine::RunState state;
   std::string failure;
 };
@@ -111,7 +111,7 @@ class Recorder {
   }
 
   const Compiled& compiled_;
-  const circuit::Transient& transient_;
+  const circuit::TransientAnalysis& transient_;
   const SteadyState* orbit_;
   const measure::Record* known_;  ///< null: the run has not been measured
   engine::Request request_;

@@ -20,7 +20,7 @@ struct RecordedRun {
   std::string failure;  ///< why there is none; "" where there is one
   steady::SensitivityInputs inputs;
   std::shared_ptr<const engine::ExactModel> model;  ///< with them
-  engine::Start start;                              ///< where the deck says; not of a run from an orbit
+  engine::RunStart start;                           ///< where the deck says; not of a run from an orbit
   steady::Trace trace;                              ///< its modes are of `model`
   MeasuredPass measured;
   std::shared_ptr<engine::Selectors> selectors;  ///< of `model`: modes of the trace

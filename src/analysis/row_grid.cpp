@@ -14,7 +14,7 @@ Decimal exact(const circuit::TimeValue& value) {
   return parsed ? *parsed : decimal_from_double(value.seconds);
 }
 
-Decimal step_of(const circuit::Transient& transient, const Decimal& start, const Decimal& stop) {
+Decimal step_of(const circuit::TransientAnalysis& transient, const Decimal& start, const Decimal& stop) {
   if (transient.step.seconds != 0.0) return exact(transient.step);
   Decimal span = difference(stop, start).value_or(decimal_from_double(transient.stop.seconds - transient.start.seconds));
   span.exponent -= steps_when_omitted_exponent;
@@ -23,7 +23,7 @@ Decimal step_of(const circuit::Transient& transient, const Decimal& start, const
 
 }  // namespace
 
-engine::RowGrid row_grid(const circuit::Transient& transient) {
+engine::RowGrid row_grid(const circuit::TransientAnalysis& transient) {
   const Decimal start = exact(transient.start);
   const Decimal stop = exact(transient.stop);
   const Decimal step = step_of(transient, start, stop);

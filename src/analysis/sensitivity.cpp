@@ -23,7 +23,7 @@ namespace pwlsim::analysis {
 namespace {
 
 using circuit::Compiled;
-using circuit::Sensitivities;
+using circuit::SensitivityAnalysis;
 using steady::Followed;
 using steady::LinearisedOrbit;
 using steady::Matrix;
@@ -164,7 +164,7 @@ class OrbitMoves : public RunMotion {
   bool is_singular_ = false;
 };
 
-Derivative entry_of(const std::string& measurement, const Sensitivities::Parameter& parameter, double value, TwoSided d) {
+Derivative entry_of(const std::string& measurement, const SensitivityAnalysis::Parameter& parameter, double value, TwoSided d) {
   if (parameter.value != 0.0 && std::abs(d.left - d.right) * std::abs(parameter.value) < d.noise) {
     d.left = d.right = d.measured;
     d.kink.clear();
@@ -183,7 +183,7 @@ Derivative entry_of(const std::string& measurement, const Sensitivities::Paramet
 }
 
 /// Measurement by measurement; `columns`: for each parameter those of all measurements.
-DerivativeTable table_of(const Sensitivities& card, const circuit::Measurements& measurements, const std::vector<double>& values,
+DerivativeTable table_of(const SensitivityAnalysis& card, const circuit::Measurements& measurements, const std::vector<double>& values,
                          const std::vector<std::vector<TwoSided>>& columns) {
   DerivativeTable table;
   for (std::size_t k = 0; k < measurements.list.size(); ++k) {
@@ -195,12 +195,12 @@ DerivativeTable table_of(const Sensitivities& card, const circuit::Measurements&
   return table;
 }
 
-bool are_wanted(const Sensitivities& card, const circuit::Measurements& measurements) {
+bool are_wanted(const SensitivityAnalysis& card, const circuit::Measurements& measurements) {
   return std::any_of(measurements.list.begin(), measurements.list.end(),
                      [&](const circuit::Measurement& each) { return each.shown && card.wants(each.name); });
 }
 
-std::vector<std::vector<TwoSided>> failed_columns(const Sensitivities& card, const circuit::Measurements& measurements,
+std::vector<std::vector<TwoSided>> failed_columns(const SensitivityAnalysis& card, const circuit::Measurements& measurements,
                                                   const std::string& why) {
   return {card.parameters.size(), std::vector<TwoSided>(measurements.list.size(), TwoSided::failed(why))};
 }
@@ -208,14 +208,14 @@ std::vector<std::vector<TwoSided>> failed_columns(const Sensitivities& card, con
 }  // namespace
 
 DerivativeTable failed_derivatives(const Compiled& compiled, const circuit::Measurements& measurements, const std::string& failure) {
-  const Sensitivities& card = *compiled.analyses.sensitivities;
+  const SensitivityAnalysis& card = *compiled.analyses.sensitivities;
   const std::vector<double> values(measurements.list.size(), std::numeric_limits<double>::quiet_NaN());
   return table_of(card, measurements, values, failed_columns(card, measurements, failure));
 }
 
 DerivativeTable orbit_derivatives(const Compiled& compiled, const SteadyState& state, const std::atomic<int>& interrupt,
                                   const measure::Record* measured) {
-  const Sensitivities& card = *compiled.analyses.sensitivities;
+  const SensitivityAnalysis& card = *compiled.analyses.sensitivities;
   const circuit::Measurements& measurements = state.compiled.measurements;
   if (!are_wanted(card, measurements)) return {};
   const bool is_driven = !state.common.sources.empty();
@@ -293,7 +293,7 @@ class RunDerivatives : public RunMotion {
 
  private:
   [[nodiscard]] DirectMoves direct_of(std::size_t p) const {
-    const circuit::Transient& transient = *compiled_.analyses.transient;
+    const circuit::TransientAnalysis& transient = *compiled_.analyses.transient;
     const int number = card_.parameters[p].number;
     const auto moves = [&](const circuit::TimeValue& time) {
       return number >= 0 && static_cast<std::size_t>(number) < time.gradient.size() ? time.gradient[static_cast<std::size_t>(number)] : 0.0;
@@ -329,7 +329,7 @@ class RunDerivatives : public RunMotion {
   }
 
   const Compiled& compiled_;
-  const Sensitivities& card_;
+  const SensitivityAnalysis& card_;
   const SteadyState* orbit_;
   const RecordedRun run_;
   const LinearisedOrbit* linear_ = nullptr;

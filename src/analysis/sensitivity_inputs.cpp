@@ -8,9 +8,9 @@
 
 namespace pwlsim::analysis {
 
-steady::SensitivityInputs add_inputs(const circuit::Sensitivities& card, const model::Network& original, model::Network& network) {
+steady::SensitivityInputs add_inputs(const circuit::SensitivityAnalysis& card, const model::Network& original, model::Network& network) {
   std::vector<model::NetworkMoves> moves;
-  for (const circuit::Sensitivities::Parameter& parameter : card.parameters)
+  for (const circuit::SensitivityAnalysis::Parameter& parameter : card.parameters)
     moves.push_back(parameter.failure.empty() ? parameter.moves : model::NetworkMoves());
   steady::SensitivityInputs inputs = steady::add_parameter_inputs(network, moves);
   for (std::size_t p = 0; p < card.parameters.size(); ++p) {

@@ -8,7 +8,7 @@
 namespace pwlsim::analysis {
 
 /// The parameters as inputs in a network of the deck's sources; new signals follow the existing ones.
-[[nodiscard]] steady::SensitivityInputs add_inputs(const circuit::Sensitivities& card, const model::Network& original,
+[[nodiscard]] steady::SensitivityInputs add_inputs(const circuit::SensitivityAnalysis& card, const model::Network& original,
                                                    model::Network& network);
 
 }  // namespace pwlsim::analysis

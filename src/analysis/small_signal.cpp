@@ -19,7 +19,7 @@
 namespace pwlsim::analysis {
 namespace {
 
-using circuit::SmallSignal;
+using circuit::SmallSignalAnalysis;
 using Complex = std::complex<double>;
 using Response = std::function<steady::ComplexVector(double frequency, const std::vector<Complex>& amplitudes)>;
 
@@ -40,7 +40,8 @@ double zero_between_frequencies(double low, double high, const std::function<dou
 }
 
 /// `values`: T at the frequencies.
-LoopGain loop_gain(const SmallSignal& card, const SmallSignalInputs& inputs, const Response& response, std::vector<Complex> values) {
+LoopGain loop_gain(const SmallSignalAnalysis& card, const SmallSignalInputs& inputs, const Response& response,
+                   std::vector<Complex> values) {
   const std::vector<double>& frequencies = card.frequencies;
   LoopGain loop;
   loop.source = card.loop;
@@ -80,7 +81,7 @@ steady::ComplexVector limit_at_rest(double period, const std::function<steady::C
 }
 
 SmallSignalResult evaluate(const circuit::Compiled& compiled, const SmallSignalInputs& inputs, const Response& response) {
-  const SmallSignal& card = *compiled.analyses.small_signal;
+  const SmallSignalAnalysis& card = *compiled.analyses.small_signal;
   SmallSignalResult result;
   const std::size_t saved = compiled.saved_signals();
   for (std::size_t k = 0; k < saved; ++k) result.signals.push_back(compiled.network.signals[k].name);
@@ -107,7 +108,7 @@ SmallSignalResult evaluate(const circuit::Compiled& compiled, const SmallSignalI
 
 SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSignalInputs& inputs, const model::Network& network,
                                 const engine::ExactModel& model, const steady::Trace& trace, double period, bool is_driven) {
-  const SmallSignal& card = *compiled.analyses.small_signal;
+  const SmallSignalAnalysis& card = *compiled.analyses.small_signal;
   steady::LinearisedOrbit linear(model, trace, period, is_driven, inputs.names);
   const std::vector<int> unknown = linear.take_impulses(trace, is_driven);
   steady::Transfer transfer(linear, network.signals.size());
@@ -135,9 +136,9 @@ SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSi
 namespace {
 
 /// What belongs to a period, "" where the card asks for nothing of the kind.
-std::string periodic_part(const SmallSignal& card) {
-  if (card.input == SmallSignal::Input::frequency) return "freq() modulates a period";
-  if (card.input == SmallSignal::Input::duty) return "duty() modulates edges of a period";
+std::string periodic_part(const SmallSignalAnalysis& card) {
+  if (card.input == SmallSignalAnalysis::Input::frequency) return "freq() modulates a period";
+  if (card.input == SmallSignalAnalysis::Input::duty) return "duty() modulates edges of a period";
   if (card.harmonic != 0) return "harm= is a sideband of a period";
   if (card.sample) return "sample= is a time of a period";
   return "";
@@ -146,7 +147,7 @@ std::string periodic_part(const SmallSignal& card) {
 }  // namespace
 
 LinearSmallSignals::LinearSmallSignals(const circuit::Compiled& compiled) : compiled_(&compiled), network_(compiled.network) {
-  const SmallSignal& card = *compiled.analyses.small_signal;
+  const SmallSignalAnalysis& card = *compiled.analyses.small_signal;
   inputs_ = add_small_signal_inputs(card, network_);
   Diagnostics diagnostics;
   model_ = engine::prepare(network_, diagnostics);

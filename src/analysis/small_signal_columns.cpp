@@ -7,9 +7,9 @@
 namespace pwlsim::analysis {
 namespace {
 
-using circuit::SmallSignal;
+using circuit::SmallSignalAnalysis;
 using Complex = std::complex<double>;
-using Column = SmallSignal::Column;
+using Column = SmallSignalAnalysis::Column;
 
 /// "vm(out)" of "v(out)".
 std::string named(const std::string& signal, char part) {
@@ -39,7 +39,7 @@ double part_of(Complex value, Column::Part part) {
 
 std::vector<SelectedColumn> select_columns(const circuit::Compiled& compiled, const std::vector<std::string>& signals) {
   std::vector<SelectedColumn> selected;
-  const SmallSignal& card = *compiled.analyses.small_signal;
+  const SmallSignalAnalysis& card = *compiled.analyses.small_signal;
   for (const Column& column : card.columns)
     selected.push_back(
         {column.name, static_cast<std::size_t>(compiled.measurements.probe_signals[static_cast<std::size_t>(column.probe)]), column.part});

@@ -11,7 +11,7 @@
 namespace pwlsim::analysis {
 namespace {
 
-using circuit::SmallSignal;
+using circuit::SmallSignalAnalysis;
 using Complex = std::complex<double>;
 
 /// "X1:V1" and "X1.V1" are one.
@@ -82,7 +82,7 @@ void fail(std::string message, SmallSignalInputs& inputs) {
 std::string no_source(const std::string& name) { return fmt::format("{} is not a source of the circuit", name); }
 
 /// One source, or that of a loop gain.
-void add_source(const SmallSignal& card, model::Network& network, SmallSignalInputs& inputs) {
+void add_source(const SmallSignalAnalysis& card, model::Network& network, SmallSignalInputs& inputs) {
   const std::string& name = card.loop.empty() ? card.sources.front() : card.loop;
   const std::vector<int> sources = sources_named(network, name);
   if (sources.empty()) return fail(no_source(name), inputs);
@@ -97,7 +97,7 @@ void add_source(const SmallSignal& card, model::Network& network, SmallSignalInp
 }
 
 /// Sources whose timing is modulated.
-void add_timing(const SmallSignal& card, model::Network& network, SmallSignalInputs& inputs) {
+void add_timing(const SmallSignalAnalysis& card, model::Network& network, SmallSignalInputs& inputs) {
   for (const std::string& name : card.sources) {
     const std::vector<int> sources = sources_named(network, name);
     if (sources.empty()) return fail(no_source(name), inputs);
@@ -118,11 +118,11 @@ void add_marked(model::Network& network, SmallSignalInputs& inputs) {
 
 }  // namespace
 
-SmallSignalInputs add_small_signal_inputs(const SmallSignal& card, model::Network& network) {
+SmallSignalInputs add_small_signal_inputs(const SmallSignalAnalysis& card, model::Network& network) {
   SmallSignalInputs inputs;
-  if (!card.loop.empty() || card.input == SmallSignal::Input::source)
+  if (!card.loop.empty() || card.input == SmallSignalAnalysis::Input::source)
     add_source(card, network, inputs);
-  else if (card.input != SmallSignal::Input::marked)
+  else if (card.input != SmallSignalAnalysis::Input::marked)
     add_timing(card, network, inputs);
   else
     add_marked(network, inputs);

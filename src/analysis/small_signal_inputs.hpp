@@ -20,7 +20,7 @@ struct SmallSignalInputs {
   double injected_at_positive = 0.0, injected_at_negative = 0.0;  ///< A that this source injects there
 };
 /// Adds inputs to `network`, and signals after its own.
-[[nodiscard]] SmallSignalInputs add_small_signal_inputs(const circuit::SmallSignal& card, model::Network& network);
+[[nodiscard]] SmallSignalInputs add_small_signal_inputs(const circuit::SmallSignalAnalysis& card, model::Network& network);
 /// Why there is no response for any orbit; empty if there may be one. `id` is that of the error.
 [[nodiscard]] std::string small_signal_problem_of_orbit(const circuit::Compiled& compiled, std::string& id);
 

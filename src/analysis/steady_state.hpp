@@ -23,9 +23,6 @@
 
 namespace pwlsim::analysis {
 
-/// Bound of | |λ| − 1 | below which the orbit is marginal.
-inline constexpr double marginal_multiplier = 1e-9;
-
 /// The orbit in a model that has the inputs of `.ac` and `.sens`, which are zero on it.
 struct OrbitWithInputs {
   model::Network network;
@@ -91,11 +88,6 @@ inline constexpr double most_periods_measured = 1e4;
 inline constexpr const char* orbit_needs_exact_engine =
     "the steady state is found by the exact engine only; try --engine exact, or fewer stores";
 
-/// The stores that a direction changes, with their shares of its energy, the largest first.
-[[nodiscard]] std::vector<std::pair<std::string, double>> shares_of(const SteadyState& state, const Eigen::VectorXcd& direction);
-/// "stable", "unstable", "marginal"; "" where it is not known.
-[[nodiscard]] std::string stability_of(const steady::Orbit& orbit);
-
 /// The message for Krylov segments.
 inline constexpr const char* response_needs_modes =
     "small signals around an orbit need dense modes, and this orbit was found on Krylov segments; try --engine modes, or fewer stores";
@@ -108,9 +100,6 @@ struct DeckResponse {
   std::string id, message;  ///< of an error; empty if there is a response
 };
 [[nodiscard]] DeckResponse deck_response(const circuit::Compiled& compiled, const SteadyState* state);
-
-/// "orbit of buck.csv: period 5 µs, …".
-[[nodiscard]] std::string orbit_summary(const SteadyState& state, const std::string& output);
 
 /// The member `pss`; null if there is none.
 void write_orbit(JsonWriter& json, const SteadyState* state);

@@ -73,7 +73,7 @@ std::vector<double> Result::at(std::string_view name, const std::vector<double>&
 
 std::string Result::report() const {
   const KeptRun& kept = kept_run(*data_);
-  const circuit::Transient& transient = *kept.compiled->analyses.transient;
+  const circuit::TransientAnalysis& transient = *kept.compiled->analyses.transient;
   analysis::RunRecorder recorder(transient.start.seconds, transient.stop.seconds, kept.compiled->saved_signals());
   NoRowWriter rows;
   analysis::RunControl control;

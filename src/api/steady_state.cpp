@@ -6,6 +6,7 @@
 
 #include <utility>
 
+#include "analysis/orbit_verdict.hpp"
 #include "analysis/small_signal.hpp"
 #include "analysis/steady_state.hpp"
 #include "api/compilation.hpp"

@@ -22,7 +22,7 @@ struct TimeValue {
 
 /// `.tran`. Guaranteed: 0 ≤ start < stop, all finite, step ≥ 0. step.seconds = 0 means omitted: 1000 equal steps from start to stop.
 /// A largest step (Tmax) is read, checked and ignored: the engines need none.
-struct Transient {
+struct TransientAnalysis {
   TimeValue step, stop, start;
   bool use_initial_conditions = false;  ///< uic
   SourceSpan span;
@@ -32,7 +32,7 @@ struct Transient {
 };
 
 /// `.pss`: the periodic steady state.
-struct SteadyState {
+struct SteadyStateAnalysis {
   enum class Trigger { none, closes, opens, crosses };
   std::optional<double> period, longest_period;  ///< s
   bool is_hint = false;                          ///< the period is only a guess
@@ -55,7 +55,7 @@ struct SteadyState {
 };
 
 /// `.ac`: small signals around the steady state.
-struct SmallSignal {
+struct SmallSignalAnalysis {
   std::vector<double> frequencies;  ///< Hz, in order
   enum class Input { marked, source, frequency, duty };
   Input input = Input::marked;       ///< all sources with AC values; one source with amplitude 1; timing of sources
@@ -70,14 +70,14 @@ struct SmallSignal {
     enum class Part { magnitude, phase, real, imaginary, decibels };
     std::string name;  ///< as written: "vdb(out)"
     Part part = Part::magnitude;
-    int probe = 0;  ///< of Circuit::probes
+    int probe = 0;  ///< of FlatCircuit::probes
   };
   std::vector<Column> columns;  ///< none: magnitude and phase of every saved signal
   SourceSpan span;
 };
 
 /// `.sens`: derivatives of measurements to parameters.
-struct Sensitivities {
+struct SensitivityAnalysis {
   struct Parameter {
     std::string name;  ///< as written
     SourceSpan span;
@@ -121,10 +121,10 @@ struct Sweeps {
 };
 
 struct Analyses {
-  std::optional<Transient> transient;
-  std::optional<SteadyState> steady_state;
-  std::optional<SmallSignal> small_signal;
-  std::optional<Sensitivities> sensitivities;
+  std::optional<TransientAnalysis> transient;
+  std::optional<SteadyStateAnalysis> steady_state;
+  std::optional<SmallSignalAnalysis> small_signal;
+  std::optional<SensitivityAnalysis> sensitivities;
   Sweeps sweeps;
   bool operating_point = false;  ///< `.op`
   NonUniqueChoice non_unique = NonUniqueChoice::error;

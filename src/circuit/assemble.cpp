@@ -27,7 +27,7 @@ std::string_view prefix_of(std::string_view name) { return name.substr(0, name.r
 
 class Assembler {
  public:
-  Assembler(Circuit& circuit, Reporter& reporter) : circuit_(circuit), reporter_(reporter), names_(circuit) {}
+  Assembler(FlatCircuit& circuit, Reporter& reporter) : circuit_(circuit), reporter_(reporter), names_(circuit) {}
 
   std::optional<model::Network> run() {
     check_names();
@@ -248,19 +248,19 @@ class Assembler {
     }
   }
 
-  Circuit& circuit_;
+  FlatCircuit& circuit_;
   Reporter& reporter_;
   NameIndex names_;
-  model::Builder builder_;
+  model::NetworkBuilder builder_;
   std::vector<elements::Emitted> emitted_;
   std::vector<std::pair<int, InitialCondition>> currents_;
 };
 
 }  // namespace
 
-std::optional<model::Network> assemble(Circuit& circuit, Reporter& reporter) { return Assembler(circuit, reporter).run(); }
+std::optional<model::Network> assemble(FlatCircuit& circuit, Reporter& reporter) { return Assembler(circuit, reporter).run(); }
 
-std::optional<model::Network> assemble(Circuit& circuit, Diagnostics& diagnostics) {
+std::optional<model::Network> assemble(FlatCircuit& circuit, Diagnostics& diagnostics) {
   Reporter reporter(diagnostics);
   return assemble(circuit, reporter);
 }

@@ -14,7 +14,7 @@ namespace pwlsim::circuit {
 /// complete, nodes without a path to ground. Empty if `diagnostics` has an error on return.
 /// The nodes of the circuit come first in the network, in their order; signals are those of circuit.saves, or by default every node
 /// voltage in order of appearance and then every current of L, V, E, H, D, S.
-[[nodiscard]] std::optional<model::Network> assemble(Circuit& circuit, Diagnostics& diagnostics);
-[[nodiscard]] std::optional<model::Network> assemble(Circuit& circuit, Reporter& reporter);
+[[nodiscard]] std::optional<model::Network> assemble(FlatCircuit& circuit, Diagnostics& diagnostics);
+[[nodiscard]] std::optional<model::Network> assemble(FlatCircuit& circuit, Reporter& reporter);
 
 }  // namespace pwlsim::circuit

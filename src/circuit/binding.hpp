@@ -21,7 +21,7 @@ struct Place {
 
 class Binding {
  public:
-  Binding(Circuit& circuit, const Definitions& definitions, Models& models, Reporter& reporter)
+  Binding(FlatCircuit& circuit, const Definitions& definitions, Models& models, Reporter& reporter)
       : circuit_(circuit), definitions_(definitions), models_(models), reporter_(reporter) {}
 
   /// The node that a word names at `place`, created at its first use.
@@ -32,12 +32,12 @@ class Binding {
   void note_two_values(const netlist::Card& card);
   /// A card is incomplete: its connections are not known.
   void leave_gap() { circuit_.has_gaps = true; }
-  [[nodiscard]] Circuit& circuit() { return circuit_; }
+  [[nodiscard]] FlatCircuit& circuit() { return circuit_; }
   [[nodiscard]] Reporter& reporter() { return reporter_; }
   [[nodiscard]] Models& models() { return models_; }
 
  private:
-  Circuit& circuit_;
+  FlatCircuit& circuit_;
   const Definitions& definitions_;
   Models& models_;
   Reporter& reporter_;

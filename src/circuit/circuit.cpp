@@ -13,11 +13,11 @@ bool HiddenParts::hold(std::string_view name) const {
   return end != std::string_view::npos && !names.empty() && names.contains(without_case(name.substr(0, end)));
 }
 
-bool Circuit::is_ground(std::string_view name) const {
+bool FlatCircuit::is_ground(std::string_view name) const {
   return is_ground_name(name) || (!stands_for_ground.empty() && same_name(name, stands_for_ground));
 }
 
-std::string missing_ground(const Circuit& circuit) {
+std::string missing_ground(const FlatCircuit& circuit) {
   const elements::Instance* chosen = nullptr;
   for (const elements::Instance& instance : circuit.instances) {
     const auto touches = [](model::NodeIndex node) { return node == model::ground; };
@@ -28,28 +28,28 @@ std::string missing_ground(const Circuit& circuit) {
   return chosen == nullptr || chosen->kind == nullptr ? "" : circuit.nodes()[static_cast<std::size_t>(chosen->nodes[1])].name;
 }
 
-model::NodeIndex Circuit::node(std::string_view name, SourceSpan where) {
+model::NodeIndex FlatCircuit::node(std::string_view name, SourceSpan where) {
   if (is_ground(name)) return model::ground;
   const auto [entry, is_new] = node_by_name_.try_emplace(without_case(name), static_cast<model::NodeIndex>(nodes_.size()));
   if (is_new) nodes_.push_back({std::string(name), where});
   return entry->second;
 }
 
-bool Circuit::add_node(std::string name, SourceSpan where, model::NodeIndex& index) {
+bool FlatCircuit::add_node(std::string name, SourceSpan where, model::NodeIndex& index) {
   index = static_cast<model::NodeIndex>(nodes_.size());
   const bool is_new = node_by_name_.try_emplace(without_case(name), index).second;
   nodes_.push_back({std::move(name), where});
   return is_new;
 }
 
-std::optional<model::NodeIndex> Circuit::find_node(std::string_view name) const {
+std::optional<model::NodeIndex> FlatCircuit::find_node(std::string_view name) const {
   if (is_ground(name)) return model::ground;
   const auto entry = node_by_name_.find(without_case(name));
   if (entry == node_by_name_.end()) return std::nullopt;
   return entry->second;
 }
 
-elements::Instance& Circuit::add(std::string name, const std::vector<std::string>& node_names) {
+elements::Instance& FlatCircuit::add(std::string name, const std::vector<std::string>& node_names) {
   const elements::Kind* kind = elements::find_kind(name.at(0));
   assert(kind != nullptr);
   elements::Instance instance;
@@ -60,7 +60,7 @@ elements::Instance& Circuit::add(std::string name, const std::vector<std::string
   return instances.emplace_back(std::move(instance));
 }
 
-int Circuit::add_model(std::string_view type, std::string name) {
+int FlatCircuit::add_model(std::string_view type, std::string name) {
   const elements::ModelKind* kind = elements::find_model_kind(type);
   assert(kind != nullptr);
   models.push_back({kind, std::move(name), {}, elements::Values(kind->parameters)});

@@ -2,7 +2,7 @@
 /// A flat circuit: nodes, elements with the values of their parameters, models, saved signals and analyses. It does not depend on a
 /// netlist, so that C++ programs can build one:
 ///
-///     Circuit circuit;
+///     FlatCircuit circuit;
 ///     circuit.add("V1", {"in", "0"}).waveform = model::Dc{10.0};
 ///     circuit.add("R1", {"in", "out"}).values.set("R", 1e3);
 ///     circuit.add("D1", {"out", "0"}).model = circuit.add_model("D", "DI");
@@ -64,7 +64,7 @@ struct GateOutput {
   double low = 0.0, high = 0.0;
 };
 
-class Circuit {
+class FlatCircuit {
  public:
   std::string title;
   std::vector<elements::Instance> instances;
@@ -118,6 +118,6 @@ class Circuit {
 
 /// The node to be used as ground if no element is connected to ground: the negative one of the first V, else the second of the first element. "" if
 /// there is a ground, or no such node.
-[[nodiscard]] std::string missing_ground(const Circuit& circuit);
+[[nodiscard]] std::string missing_ground(const FlatCircuit& circuit);
 
 }  // namespace pwlsim::circuit

@@ -19,7 +19,7 @@ namespace pwlsim::circuit {
 namespace {
 
 /// Names that are not of a constant source are passed over: the caller finds no source of their channel.
-void hold_sources(const std::vector<std::string>& names, Circuit& circuit) {
+void hold_sources(const std::vector<std::string>& names, FlatCircuit& circuit) {
   for (std::size_t channel = 0; channel < names.size(); ++channel)
     for (elements::Instance& instance : circuit.instances) {
       const model::SourceFunction function = instance.waveform.value_or(model::Dc{});
@@ -31,7 +31,7 @@ void hold_sources(const std::vector<std::string>& names, Circuit& circuit) {
 
 /// By its .control section, by cards that print or plot, by the title that KiCad gives its netlists, or by the numbers of exponential diodes and of
 /// transistors that are no switches of their own (`Ron`).
-bool is_for_ngspice(const Circuit& circuit, const Diagnostics& told) {
+bool is_for_ngspice(const FlatCircuit& circuit, const Diagnostics& told) {
   const auto is_section = [](const Diagnostic& diagnostic) {
     return diagnostic.id == "N-control-skipped" || diagnostic.id == "N-diode-tangent";
   };
@@ -47,7 +47,7 @@ bool is_for_ngspice(const Circuit& circuit, const Diagnostics& told) {
 }
 
 /// What ngspice takes otherwise: a pulse without a top lasts there, and a diode without numbers is SPICE's default one.
-void tell_of_ngspice(const Circuit& circuit, Reporter& reporter) {
+void tell_of_ngspice(const FlatCircuit& circuit, Reporter& reporter) {
   for (const elements::Instance& instance : circuit.instances) {
     const auto* const pulse = instance.waveform ? std::get_if<model::Pulse>(&*instance.waveform) : nullptr;
     if (pulse == nullptr || pulse->width != 0.0 || pulse->initial == pulse->pulsed) continue;
@@ -66,7 +66,7 @@ void tell_of_ngspice(const Circuit& circuit, Reporter& reporter) {
 
 /// A transistor, or a diode within a shipped subcircuit, most of which are amplifiers: small signals of other programs are around its operating
 /// point. Null if there is none.
-const elements::Instance* amplifying(const Circuit& circuit, const Reporter& reporter) {
+const elements::Instance* amplifying(const FlatCircuit& circuit, const Reporter& reporter) {
   const auto is_amplifying = [&](const elements::Instance& instance) {
     const bool is_transistor = std::string_view("QMJ").find(instance.kind->letter) != std::string_view::npos;
     return is_transistor || (instance.kind->letter == 'D' && is_shipped(reporter.file_of(instance.span)));
@@ -76,11 +76,11 @@ const elements::Instance* amplifying(const Circuit& circuit, const Reporter& rep
 }
 
 /// A deck of other programs has several analyses, each a run of its own: the others do not fail with `.ac`.
-void leave_out_small_signals(Circuit& circuit, Reporter& reporter) {
+void leave_out_small_signals(FlatCircuit& circuit, Reporter& reporter) {
   Analyses& analyses = circuit.analyses;
   if (!analyses.small_signal || analyses.steady_state || !(analyses.transient || analyses.operating_point)) return;
-  const SmallSignal& card = *analyses.small_signal;
-  const bool is_of_spice = card.input == SmallSignal::Input::marked && card.loop.empty() && card.harmonic == 0 && !card.sample;
+  const SmallSignalAnalysis& card = *analyses.small_signal;
+  const bool is_of_spice = card.input == SmallSignalAnalysis::Input::marked && card.loop.empty() && card.harmonic == 0 && !card.sample;
   const elements::Instance* instance = amplifying(circuit, reporter);
   if (!is_of_spice || instance == nullptr) return;
   reporter.warning("W-ignored-card", card.span,
@@ -90,7 +90,7 @@ void leave_out_small_signals(Circuit& circuit, Reporter& reporter) {
   analyses.small_signal.reset();
 }
 
-std::vector<RatedCurrent> rated_currents(const Circuit& circuit, const Reporter& reporter) {
+std::vector<RatedCurrent> rated_currents(const FlatCircuit& circuit, const Reporter& reporter) {
   std::vector<RatedCurrent> rated;
   for (const elements::Instance& instance : circuit.instances) {
     if (instance.model < 0) continue;
@@ -107,7 +107,7 @@ bool is_meant_to_break_down(const elements::Values& values) {
   return elements::find_parameter(values.table(), "Rrev") != nullptr && values.has("Rrev") && values.get("Rrev") != values.get("Ron");
 }
 
-std::vector<std::string> rated_ports(const Circuit& circuit, const model::Network& network, const Reporter& reporter) {
+std::vector<std::string> rated_ports(const FlatCircuit& circuit, const model::Network& network, const Reporter& reporter) {
   constexpr std::string_view breakdowns[] = {" (reverse)", " (body diode reverse)"};
   std::unordered_set<std::string> names;
   for (const elements::Instance& instance : circuit.instances) {
@@ -124,16 +124,16 @@ std::vector<std::string> rated_ports(const Circuit& circuit, const model::Networ
 }
 
 /// The voltage of a source that a formula has taken as a number has no small signals there.
-void warn_of_folded(const Circuit& circuit, Reporter& reporter) {
+void warn_of_folded(const FlatCircuit& circuit, Reporter& reporter) {
   if (!circuit.analyses.small_signal) return;
-  const SmallSignal& card = *circuit.analyses.small_signal;
-  for (const Circuit::Folded& folded : circuit.folded) {
+  const SmallSignalAnalysis& card = *circuit.analyses.small_signal;
+  for (const FlatCircuit::Folded& folded : circuit.folded) {
     const elements::Instance& source = circuit.instances[static_cast<std::size_t>(folded.source)];
     const elements::Instance& reader = circuit.instances[static_cast<std::size_t>(folded.reader)];
     const bool is_named =
-        card.input == SmallSignal::Input::source &&
+        card.input == SmallSignalAnalysis::Input::source &&
         std::any_of(card.sources.begin(), card.sources.end(), [&](const std::string& name) { return same_name(name, source.name); });
-    const bool is_marked = card.loop.empty() && card.input == SmallSignal::Input::marked && source.alternating != 0.0;
+    const bool is_marked = card.loop.empty() && card.input == SmallSignalAnalysis::Input::marked && source.alternating != 0.0;
     if ((is_named || is_marked || same_name(card.loop, source.name)) && reporter.first_time("folded:" + source.name + ':' + reader.name))
       reporter.warning(
           "W-ac-number", reader.span,
@@ -156,7 +156,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
     reporter.note("N-no-ground", deck.title_span,
                   fmt::format("no element is connected to ground: the node {} is used as ground; try 0 as its name", ground));
   }
-  Circuit& circuit = flattened.circuit;
+  FlatCircuit& circuit = flattened.circuit;
   if (circuit.analyses.sweeps.runs() == 0) circuit.drawn = options.drawn;
   hold_sources(options.held, circuit);
   if (is_for_ngspice(circuit, diagnostics)) tell_of_ngspice(circuit, reporter);

@@ -34,14 +34,14 @@ struct Compiled {
   std::string title;
   model::Network network;
   Analyses analyses;
-  std::optional<Circuit> circuit;                     ///< if requested
+  std::optional<FlatCircuit> circuit;                 ///< if requested
   Measurements measurements{}, orbit_measurements{};  ///< of .tran, of .pss
   std::size_t measured_signals = 0;
   std::size_t drawn_signals = 0;  ///< the first ones of these, for pictures
   bool draws_random = false;      ///< values differ from run to run of .step
   bool names_signals = false;     ///< the deck names the signals to save
   bool has_mosfets = false;
-  bool has_machines = false;      ///< state machines, which may hold a value by reading it: here it is not determined then
+  bool has_machines = false;  ///< state machines, which may hold a value by reading it: here it is not determined then
   HiddenParts hidden{};
   std::vector<std::string> rated_ports{};  ///< diodes of the network that are the breakdown of a part of the models at hand
   std::vector<RatedCurrent> rated_currents{};

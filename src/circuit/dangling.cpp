@@ -18,7 +18,7 @@ using model::NodeIndex;
 constexpr std::size_t least_letters = 3;  ///< of shorter ones each is nearly another
 
 /// How often each node is touched or read. What is saved or measured counts, too.
-std::vector<int> uses(const Circuit& circuit) {
+std::vector<int> uses(const FlatCircuit& circuit) {
   std::vector<int> count(circuit.nodes().size(), 0);
   const auto add = [&](NodeIndex node) {
     if (node != model::ground) ++count[static_cast<std::size_t>(node)];
@@ -58,7 +58,7 @@ bool may_hang(const Instance& instance) {
 
 }  // namespace
 
-void warn_of_dangling(const Circuit& circuit, Reporter& reporter) {
+void warn_of_dangling(const FlatCircuit& circuit, Reporter& reporter) {
   const std::vector<int> count = uses(circuit);
   std::vector<std::string> connected;
   for (const std::string& name : NameIndex(circuit).node_names())
@@ -78,7 +78,7 @@ void warn_of_dangling(const Circuit& circuit, Reporter& reporter) {
   }
 }
 
-bool hangs_alone(const Circuit& circuit, std::string_view node) {
+bool hangs_alone(const FlatCircuit& circuit, std::string_view node) {
   const auto found = circuit.find_node(node);
   return found && *found != model::ground && uses(circuit)[static_cast<std::size_t>(*found)] == 1;
 }

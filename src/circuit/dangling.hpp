@@ -9,9 +9,9 @@
 namespace pwlsim::circuit {
 
 /// A warning for each R, C, L, D, S of the deck itself at such a node: it carries no current. Nodes that something reads or saves are intended.
-void warn_of_dangling(const Circuit& circuit, Reporter& reporter);
+void warn_of_dangling(const FlatCircuit& circuit, Reporter& reporter);
 
 /// Whether one element touches the node and nothing reads or saves it.
-[[nodiscard]] bool hangs_alone(const Circuit& circuit, std::string_view node);
+[[nodiscard]] bool hangs_alone(const FlatCircuit& circuit, std::string_view node);
 
 }  // namespace pwlsim::circuit

@@ -10,7 +10,7 @@ namespace pwlsim::circuit {
 
 class Expander {
  public:
-  Expander(Circuit& circuit, Binder& binder, Session& session) : circuit_(circuit), binder_(binder), session_(session) {}
+  Expander(FlatCircuit& circuit, Binder& binder, Session& session) : circuit_(circuit), binder_(binder), session_(session) {}
 
   /// Binds every element card of the definition of `place`, calls included, and its .ic cards. The census must have passed.
   void expand(Place& place);
@@ -30,7 +30,7 @@ class Expander {
   [[nodiscard]] std::string full_node_name(const Place& place, const std::string& name) const;
   [[nodiscard]] Reporter& reporter() { return session_.reporter; }
 
-  Circuit& circuit_;
+  FlatCircuit& circuit_;
   Binder& binder_;
   Session& session_;
 };

@@ -23,7 +23,7 @@ namespace pwlsim::circuit {
 Flattened flatten(const netlist::Deck& written, SourceStore& sources, Reporter& reporter, bool analysis_required, std::size_t run,
                   const std::string& ground) {
   Flattened result;
-  Circuit& circuit = result.circuit;
+  FlatCircuit& circuit = result.circuit;
   const std::optional<netlist::Deck> chosen = with_chosen_sections(written, run, reporter);
   const netlist::Deck& deck = chosen ? *chosen : written;
   circuit.title = deck.title;

@@ -11,7 +11,7 @@ namespace pwlsim::circuit {
 /// `run`: number of the run of .step. After errors the circuit contains the parts that were understood: every element at least with its name, so that references can
 /// still be checked. Do not emit it then.
 struct Flattened {
-  Circuit circuit;
+  FlatCircuit circuit;
   bool expanded = false;  ///< false if it would have become too large or endless: then it has no elements
 };
 /// Shipped subcircuits that the deck calls are added to `sources`.

@@ -33,7 +33,7 @@ void join_many(const Instance& instance, NodeGroups& groups) {
   }
 }
 
-void join(const Circuit& circuit, NodeGroups& groups) {
+void join(const FlatCircuit& circuit, NodeGroups& groups) {
   for (const Instance& instance : circuit.instances) {
     if (instance.nodes.size() == 2 && ties(instance)) groups.join(instance.nodes[0], instance.nodes[1]);
     if (instance.nodes.size() > 2 && instance.kind != nullptr) join_many(instance, groups);
@@ -48,7 +48,7 @@ void join(const Circuit& circuit, NodeGroups& groups) {
   }
 }
 
-std::string some_names(const Circuit& circuit, const std::vector<std::size_t>& group) {
+std::string some_names(const FlatCircuit& circuit, const std::vector<std::size_t>& group) {
   constexpr std::size_t most = 8;
   std::string text;
   for (std::size_t k = 0; k < group.size() && k < most; ++k) text += (k == 0 ? "" : ", ") + circuit.nodes()[group[k]].name;
@@ -57,7 +57,7 @@ std::string some_names(const Circuit& circuit, const std::vector<std::size_t>& g
 }
 
 /// A current that an element does not tie enters or leaves the group.
-bool is_fed(const Circuit& circuit, NodeGroups& groups, int root) {
+bool is_fed(const FlatCircuit& circuit, NodeGroups& groups, int root) {
   for (const Instance& instance : circuit.instances) {
     if (instance.nodes.size() != 2 || ties(instance)) continue;
     const int a = groups.root(instance.nodes[0]), b = groups.root(instance.nodes[1]);
@@ -67,7 +67,7 @@ bool is_fed(const Circuit& circuit, NodeGroups& groups, int root) {
 }
 
 /// By node: whether some element has a terminal there. The others are only read, by a switch or an expression.
-std::vector<char> touched_nodes(const Circuit& circuit) {
+std::vector<char> touched_nodes(const FlatCircuit& circuit) {
   std::vector<char> touched(circuit.nodes().size(), 0);
   const auto touch = [&](NodeIndex node) {
     if (node != model::ground) touched[static_cast<std::size_t>(node)] = 1;
@@ -83,7 +83,7 @@ std::vector<char> touched_nodes(const Circuit& circuit) {
   return touched;
 }
 
-void report_untouched(const Circuit& circuit, const std::vector<char>& touched, std::size_t node, Reporter& reporter) {
+void report_untouched(const FlatCircuit& circuit, const std::vector<char>& touched, std::size_t node, Reporter& reporter) {
   const model::Label& label = circuit.nodes()[node];
   std::vector<std::string> others;
   for (const std::string& name : NameIndex(circuit).node_names())
@@ -97,7 +97,7 @@ void report_untouched(const Circuit& circuit, const std::vector<char>& touched, 
 
 }  // namespace
 
-std::vector<NodeIndex> report_floating(const Circuit& circuit, Reporter& reporter) {
+std::vector<NodeIndex> report_floating(const FlatCircuit& circuit, Reporter& reporter) {
   std::vector<NodeIndex> to_tie;
   NodeGroups groups(circuit.nodes().size());
   join(circuit, groups);

@@ -24,7 +24,7 @@ bool is_voltage(const Instance& instance) {
 /// Nodes that voltage sources tie together, and the resistors between such groups.
 class Drives {
  public:
-  explicit Drives(const Circuit& circuit) : groups_(circuit.nodes().size()) {
+  explicit Drives(const FlatCircuit& circuit) : groups_(circuit.nodes().size()) {
     for (const Instance& instance : circuit.instances)
       if (is_voltage(instance)) groups_.join(instance.nodes[0], instance.nodes[1]);
     for (const Instance& instance : circuit.instances) {
@@ -99,7 +99,7 @@ class Drives {
 
 /// Two MOSFETs whose gates are pulled up to a supply and held down by one another's drain (a ZVS driver, an astable multivibrator) go through their linear
 /// region: as switches both would toggle from rest.
-void mark_crossed_pairs(Circuit& circuit, Drives& drives) {
+void mark_crossed_pairs(FlatCircuit& circuit, Drives& drives) {
   constexpr std::size_t drain = 0, gate = 1, source = 2;
   std::vector<Instance*> pulled_up;
   for (Instance& instance : circuit.instances)
@@ -115,7 +115,7 @@ void mark_crossed_pairs(Circuit& circuit, Drives& drives) {
 
 /// A MOSFET that gives its gate the voltage of its own drain (as a diode, or over a resistance) settles in its linear region, and those with the same gate
 /// with it, as in a mirror.
-void mark_self_biased_ones(Circuit& circuit, Drives& drives) {
+void mark_self_biased_ones(FlatCircuit& circuit, Drives& drives) {
   constexpr std::size_t drain = 0, gate = 1, source = 2;
   std::set<int> gates;
   const auto is_transistor = [&](const Instance& instance) { return is_letter(instance, 'M') && instance.nodes.size() > source; };
@@ -130,7 +130,7 @@ void mark_self_biased_ones(Circuit& circuit, Drives& drives) {
 
 }  // namespace
 
-void mark_gate_drives(Circuit& circuit) {
+void mark_gate_drives(FlatCircuit& circuit) {
   constexpr std::size_t gate = 1, source = 2;
   Drives drives(circuit);
   for (Instance& instance : circuit.instances) {

@@ -32,7 +32,7 @@ bool are_numbers(const std::vector<Step>& steps, std::size_t first, std::size_t 
 
 }  // namespace
 
-int add_probe(Circuit& circuit, SaveRequest request) {
+int add_probe(FlatCircuit& circuit, SaveRequest request) {
   auto& probes = circuit.probes;
   const auto same = [&](const SaveRequest& other) {
     return other.kind == request.kind && same_name(other.first, request.first) && same_name(other.second, request.second) &&

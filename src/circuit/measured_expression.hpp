@@ -14,7 +14,7 @@ namespace pwlsim::circuit {
 class MeasuredExpressionReader {
  public:
   /// `results`: numbers of the measurements by name without case. New probes are added to `circuit`.
-  MeasuredExpressionReader(Scope& scope, Reporter& reporter, const std::unordered_map<std::string, int>& results, Circuit& circuit)
+  MeasuredExpressionReader(Scope& scope, Reporter& reporter, const std::unordered_map<std::string, int>& results, FlatCircuit& circuit)
       : scope_(scope), reporter_(reporter), results_(results), circuit_(circuit) {}
 
   /// Empty after an error.
@@ -40,10 +40,10 @@ class MeasuredExpressionReader {
   Scope& scope_;
   Reporter& reporter_;
   const std::unordered_map<std::string, int>& results_;
-  Circuit& circuit_;
+  FlatCircuit& circuit_;
 };
 
 /// The probe of a signal, added if it is new.
-[[nodiscard]] int add_probe(Circuit& circuit, SaveRequest request);
+[[nodiscard]] int add_probe(FlatCircuit& circuit, SaveRequest request);
 
 }  // namespace pwlsim::circuit

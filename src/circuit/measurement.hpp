@@ -16,7 +16,7 @@ struct MeasuredExpression {
   struct Step {
     enum class Kind {
       number,     ///< `number`
-      signal,     ///< `index`: of Circuit::probes
+      signal,     ///< `index`: of FlatCircuit::probes
       result,     ///< `index`: of Measurements::list
       time,       ///< s
       negate,     ///< one operand

@@ -70,7 +70,7 @@ bool measures_orbit(const Card& card) { return name_place(card) > 0 && same_name
 /// One card; parts of it that are measurements of their own go to `parts`, and count on from `next_result`.
 class CardReader {
  public:
-  CardReader(const Card& card, const Results& results, Scope& scope, Reporter& reporter, Circuit& circuit, int next_result)
+  CardReader(const Card& card, const Results& results, Scope& scope, Reporter& reporter, FlatCircuit& circuit, int next_result)
       : items_(card.items),
         at_(name_place(card)),
         is_of_orbit_(measures_orbit(card)),
@@ -322,14 +322,14 @@ class CardReader {
   Reporter& reporter_;
   const Card& card_;
   int next_result_;
-  const std::optional<Transient>& transient_;
+  const std::optional<TransientAnalysis>& transient_;
   std::string name_;
 };
 
 class Reader {
  public:
   /// Those of the periodic steady state, or of the transient run.
-  Reader(Scope& scope, Reporter& reporter, Circuit& circuit, bool of_orbit)
+  Reader(Scope& scope, Reporter& reporter, FlatCircuit& circuit, bool of_orbit)
       : scope_(scope),
         reporter_(reporter),
         circuit_(circuit),
@@ -464,7 +464,7 @@ class Reader {
 
   Scope& scope_;
   Reporter& reporter_;
-  Circuit& circuit_;
+  FlatCircuit& circuit_;
   bool of_orbit_;
   Measurements& measurements_;
   Results results_;
@@ -490,7 +490,7 @@ std::vector<int> results_read(const Measurement& measurement) {
   return numbers;
 }
 
-void read_measurements(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit) {
+void read_measurements(const Definitions& definitions, Scope& scope, Reporter& reporter, FlatCircuit& circuit) {
   const bool has_orbit = circuit.analyses.steady_state.has_value() || !definitions.steady_states.empty();
   const bool has_transient = !definitions.transients.empty();
   const auto ignore = [&](const Card& card, std::string_view analysis) {

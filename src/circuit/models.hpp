@@ -16,7 +16,7 @@ namespace pwlsim::circuit {
 class Models {
  public:
   /// `devices`: models at hand; a note reports each one that is used.
-  Models(Circuit& circuit, const elements::Settings& settings, Reporter& reporter, const DeviceSources* devices = nullptr)
+  Models(FlatCircuit& circuit, const elements::Settings& settings, Reporter& reporter, const DeviceSources* devices = nullptr)
       : circuit_(circuit), settings_(settings), reporter_(reporter), devices_(devices) {}
 
   /// The index in circuit.models of the model `name` as seen from `scope`, for an element of `kind`; -1 after an error.
@@ -38,7 +38,7 @@ class Models {
   void tell_device(const netlist::Card& card, const netlist::Item& name);
   void report_unknown(Scope& scope, const netlist::Item& name, const elements::Kind& kind);
 
-  Circuit& circuit_;
+  FlatCircuit& circuit_;
   const elements::Settings& settings_;
   Reporter& reporter_;
   const DeviceSources* devices_;

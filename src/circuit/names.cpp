@@ -15,7 +15,7 @@ std::string with_dots(std::string_view name) {
 
 }  // namespace
 
-NameIndex::NameIndex(const Circuit& circuit) : circuit_(circuit) {
+NameIndex::NameIndex(const FlatCircuit& circuit) : circuit_(circuit) {
   element_by_name_.reserve(circuit.instances.size());
   for (std::size_t k = 0; k < circuit.instances.size(); ++k) {
     const auto index = static_cast<int>(k);

@@ -13,7 +13,7 @@ namespace pwlsim::circuit {
 /// Refers to the circuit, which must not change meanwhile. ':' counts as '.' if a name is not known as written.
 class NameIndex {
  public:
-  explicit NameIndex(const Circuit& circuit);
+  explicit NameIndex(const FlatCircuit& circuit);
 
   [[nodiscard]] std::optional<model::NodeIndex> node(std::string_view name) const;
   /// -1 if there is none.
@@ -31,7 +31,7 @@ class NameIndex {
  private:
   static constexpr std::size_t largest_search = 10000;
 
-  const Circuit& circuit_;
+  const FlatCircuit& circuit_;
   std::unordered_map<std::string, int> element_by_name_;
   std::vector<int> second_ones_;
 };

@@ -62,7 +62,7 @@ MaybeTaken taken_by(const model::SourceFunction& function) {
 
 class NodeLevels {
  public:
-  explicit NodeLevels(const Circuit& circuit) {
+  explicit NodeLevels(const FlatCircuit& circuit) {
     for (const Instance& instance : circuit.instances) {
       if (!is_voltage(instance)) continue;
       holders_.emplace(instance.nodes[0], &instance);
@@ -201,7 +201,7 @@ std::string refusal(const FormulaPart& part) {
 
 class Products {
  public:
-  Products(Circuit& circuit, Reporter& reporter) : circuit_(circuit), reporter_(reporter), levels_(circuit) {}
+  Products(FlatCircuit& circuit, Reporter& reporter) : circuit_(circuit), reporter_(reporter), levels_(circuit) {}
 
   void resolve() {
     for (std::size_t k = 0; k < circuit_.instances.size(); ++k) resolve(static_cast<int>(k));
@@ -271,7 +271,7 @@ class Products {
                                node, levels.high, 0.5 * (levels.low + levels.high), levels.low));
   }
 
-  Circuit& circuit_;
+  FlatCircuit& circuit_;
   Reporter& reporter_;
   NodeLevels levels_;
   std::vector<Refusal> refusals_;
@@ -279,7 +279,7 @@ class Products {
 
 }  // namespace
 
-void resolve_products(Circuit& circuit, Reporter& reporter) {
+void resolve_products(FlatCircuit& circuit, Reporter& reporter) {
   const auto is_open = [](const Instance& instance) { return instance.formula && !instance.formula->open_products.empty(); };
   if (std::none_of(circuit.instances.begin(), circuit.instances.end(), is_open)) return;
   Products products(circuit, reporter);

@@ -7,6 +7,6 @@
 namespace pwlsim::circuit {
 
 /// Replaces products of signals in the formulas of the circuit by switched forms; an error if neither factor takes two values.
-void resolve_products(Circuit& circuit, Reporter& reporter);
+void resolve_products(FlatCircuit& circuit, Reporter& reporter);
 
 }  // namespace pwlsim::circuit

@@ -62,7 +62,7 @@ Degree largest(const std::vector<Expression>& parts) {
 
 }  // namespace
 
-std::optional<SaveRequest> output_expression(const Item& item, Definitions& definitions, const Reporter& reporter, Circuit& circuit) {
+std::optional<SaveRequest> output_expression(const Item& item, Definitions& definitions, const Reporter& reporter, FlatCircuit& circuit) {
   const bool is_named = item.kind == ItemKind::assignment && item.items.size() == 1;
   const Item& call = is_named ? item.items[0] : item;
   if (call.kind != ItemKind::group || !same_name(call.text, "par") || call.items.size() != 1 ||

@@ -12,6 +12,6 @@ namespace pwlsim::circuit {
 /// Of par('…') and name=par('…'), whose source is added to the deck. Empty for other items, and for expressions that have no such source (products of
 /// signals, functions of the deck).
 [[nodiscard]] std::optional<SaveRequest> output_expression(const netlist::Item& item, Definitions& definitions, const Reporter& reporter,
-                                                           Circuit& circuit);
+                                                           FlatCircuit& circuit);
 
 }  // namespace pwlsim::circuit

@@ -32,16 +32,16 @@ SlotName slot_name(const std::string& name) {
 
 class Follower {
  public:
-  Follower(Circuit& circuit, const model::Network& network, Reporter& reporter)
+  Follower(FlatCircuit& circuit, const model::Network& network, Reporter& reporter)
       : circuit_(circuit), network_(network), reporter_(reporter), card_(*circuit.analyses.sensitivities) {}
 
   void run() {
-    for (Sensitivities::Parameter& parameter : card_.parameters)
+    for (SensitivityAnalysis::Parameter& parameter : card_.parameters)
       if (parameter.number < 0) follow_element(parameter);
     for (const Instance& instance : circuit_.instances) follow_numbers(instance);
-    for (Sensitivities::Parameter& parameter : card_.parameters) follow_formulas(parameter);
-    for (const Circuit::Folded& folded : circuit_.folded)
-      for (Sensitivities::Parameter& parameter : card_.parameters) refuse_folded(folded, parameter);
+    for (SensitivityAnalysis::Parameter& parameter : card_.parameters) follow_formulas(parameter);
+    for (const FlatCircuit::Folded& folded : circuit_.folded)
+      for (SensitivityAnalysis::Parameter& parameter : card_.parameters) refuse_folded(folded, parameter);
     for (const InitialCondition& condition : circuit_.conditions) follow_condition(condition);
     for (const elements::Written& number : circuit_.unfollowed) give_up(number.gradient, reporter_.text(number.span), "");
   }
@@ -58,11 +58,11 @@ class Follower {
     return found == circuit_.instances.end() ? nullptr : &*found;
   }
 
-  void unknown(const Sensitivities::Parameter& parameter, std::string_view why) {
+  void unknown(const SensitivityAnalysis::Parameter& parameter, std::string_view why) {
     reporter_.error("E-sens-unknown-parameter", parameter.span, fmt::format("{}", why));
   }
 
-  void follow_element(Sensitivities::Parameter& parameter) {
+  void follow_element(SensitivityAnalysis::Parameter& parameter) {
     // An element within a subcircuit may be written X1:R1.
     const Instance* instance = find(parameter.name);
     const SlotName slot = instance != nullptr ? SlotName{parameter.name, ""} : slot_name(parameter.name);
@@ -72,7 +72,7 @@ class Follower {
     follow_value(parameter, *instance, slot.value);
   }
 
-  void unknown_name(const Sensitivities::Parameter& parameter, const SlotName& slot) {
+  void unknown_name(const SensitivityAnalysis::Parameter& parameter, const SlotName& slot) {
     std::vector<std::string> names;
     for (const Instance& instance : circuit_.instances) names.push_back(instance.name);
     for (const std::string& name : circuit_.parameter_names) names.push_back(name);
@@ -82,7 +82,7 @@ class Follower {
     unknown(parameter, fmt::format("'{}' is neither a parameter nor an element{}", slot.element, cure));
   }
 
-  void follow_main(Sensitivities::Parameter& parameter, const Instance& instance) {
+  void follow_main(SensitivityAnalysis::Parameter& parameter, const Instance& instance) {
     const Slots slots(network_, circuit_, instance);
     const char letter = instance.kind->letter;
     bool done = false;
@@ -117,7 +117,7 @@ class Follower {
     return names.empty() ? std::string() : fmt::format("; try {}", fmt::join(names, ", "));
   }
 
-  void follow_value(Sensitivities::Parameter& parameter, const Instance& instance, const std::string& name) {
+  void follow_value(SensitivityAnalysis::Parameter& parameter, const Instance& instance, const std::string& name) {
     const Slots slots(network_, circuit_, instance);
     const auto known = [&](const Values& values) { return elements::find_parameter(values.table(), name) != nullptr; };
     if (same_name(name, "dc") && slots.constant_value(1.0, parameter.moves)) {
@@ -142,7 +142,7 @@ class Follower {
   }
 
   void give_up(const std::vector<double>& gradient, std::string_view text, const std::string& element) {
-    for (Sensitivities::Parameter& parameter : card_.parameters) {
+    for (SensitivityAnalysis::Parameter& parameter : card_.parameters) {
       if (parameter.number < 0 || static_cast<std::size_t>(parameter.number) >= gradient.size()) continue;
       if (gradient[static_cast<std::size_t>(parameter.number)] == 0.0 || !parameter.failure.empty()) continue;
       const std::string where = element.empty() ? fmt::format("'{}'", text)
@@ -156,7 +156,7 @@ class Follower {
   void follow_numbers(const Instance& instance) {
     if (instance.kind == nullptr) return;
     const Slots slots(network_, circuit_, instance);
-    for (Sensitivities::Parameter& parameter : card_.parameters) {
+    for (SensitivityAnalysis::Parameter& parameter : card_.parameters) {
       if (parameter.number < 0 || static_cast<std::size_t>(parameter.number) >= instance.waveform_moves.size()) continue;
       const auto& moved = instance.waveform_moves[static_cast<std::size_t>(parameter.number)];
       if (moved && parameter.failure.empty()) (void)slots.source_moves(*moved, parameter.moves);
@@ -182,14 +182,14 @@ class Follower {
   }
 
   /// The values of a source that a formula has taken as numbers.
-  void refuse_folded(const Circuit::Folded& folded, Sensitivities::Parameter& parameter) {
+  void refuse_folded(const FlatCircuit::Folded& folded, SensitivityAnalysis::Parameter& parameter) {
     const Instance& source = circuit_.instances[static_cast<std::size_t>(folded.source)];
     const Instance& reader = circuit_.instances[static_cast<std::size_t>(folded.reader)];
     if (parameter.failure.empty() && moves_values(source, parameter))
       parameter.failure = fmt::format("{} takes the voltage of {} as a number, which is not followed", reader.name, source.name);
   }
 
-  [[nodiscard]] bool moves_values(const Instance& source, const Sensitivities::Parameter& parameter) const {
+  [[nodiscard]] bool moves_values(const Instance& source, const SensitivityAnalysis::Parameter& parameter) const {
     const auto is_value = [](std::string_view name) { return name.empty() || same_name(name, "V1") || same_name(name, "V2"); };
     if (parameter.number < 0) {
       const SlotName slot = slot_name(parameter.name);
@@ -213,7 +213,7 @@ class Follower {
   }
 
   /// Expressions of B, E, F, G and H, and blocks.
-  void follow_formulas(Sensitivities::Parameter& parameter) {
+  void follow_formulas(SensitivityAnalysis::Parameter& parameter) {
     if (parameter.number < 0 || static_cast<std::size_t>(parameter.number) >= circuit_.formula_moves.size()) return;
     for (const NetworkMove& move : circuit_.formula_moves[static_cast<std::size_t>(parameter.number)]) {
       const bool is_known = std::isfinite(move.derivative) && std::all_of(move.form.begin(), move.form.end(), [](const model::Term& term) {
@@ -259,7 +259,7 @@ class Follower {
 
   template <class Add>
   void distribute(const Instance& instance, const elements::Written& number, const Add& add) {
-    for (Sensitivities::Parameter& parameter : card_.parameters) {
+    for (SensitivityAnalysis::Parameter& parameter : card_.parameters) {
       if (parameter.number < 0 || static_cast<std::size_t>(parameter.number) >= number.gradient.size()) continue;
       const double p = number.gradient[static_cast<std::size_t>(parameter.number)];
       if (p == 0.0 || !parameter.failure.empty()) continue;
@@ -276,7 +276,7 @@ class Follower {
       for (std::size_t i = 0; i < list.size(); ++i) {
         const SourceSpan& span = list[i].label.span;
         if (span.file != condition.span.file || span.begin != condition.span.begin) continue;
-        for (Sensitivities::Parameter& parameter : card_.parameters) {
+        for (SensitivityAnalysis::Parameter& parameter : card_.parameters) {
           if (parameter.number < 0 || static_cast<std::size_t>(parameter.number) >= condition.gradient.size()) continue;
           const double p = condition.gradient[static_cast<std::size_t>(parameter.number)];
           if (p != 0.0) parameter.moves.push_back({.item = item, .index = static_cast<int>(i), .derivative = p});
@@ -289,15 +289,15 @@ class Follower {
       add(network_.node_conditions, Moved::node_condition);
   }
 
-  Circuit& circuit_;
+  FlatCircuit& circuit_;
   const model::Network& network_;
   Reporter& reporter_;
-  Sensitivities& card_;
+  SensitivityAnalysis& card_;
 };
 
 }  // namespace
 
-void follow_parameters(Circuit& circuit, const model::Network& network, Reporter& reporter) {
+void follow_parameters(FlatCircuit& circuit, const model::Network& network, Reporter& reporter) {
   if (circuit.analyses.sensitivities) Follower(circuit, network, reporter).run();
 }
 

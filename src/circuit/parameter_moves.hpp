@@ -8,6 +8,6 @@
 namespace pwlsim::circuit {
 
 /// Fills in Analyses::sensitivities of an assembled circuit. Unknown names are errors.
-void follow_parameters(Circuit& circuit, const model::Network& network, Reporter& reporter);
+void follow_parameters(FlatCircuit& circuit, const model::Network& network, Reporter& reporter);
 
 }  // namespace pwlsim::circuit

@@ -43,7 +43,7 @@ class Slots {
  public:
   using NetworkMoves = model::NetworkMoves;
 
-  Slots(const model::Network& network, const Circuit& circuit, const elements::Instance& instance)
+  Slots(const model::Network& network, const FlatCircuit& circuit, const elements::Instance& instance)
       : parts_(instance),
         network_(network),
         instance_(instance),

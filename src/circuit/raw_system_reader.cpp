@@ -25,7 +25,7 @@ using ItemKind = Item::Kind;
 constexpr std::array<std::string_view, 8> keywords{"A", "B", "C", "D", "E", "F", "x0", "w"};
 
 /// One keyword and the lines behind it.
-struct Block {
+struct KeywordBlock {
   std::string_view keyword;
   SourceSpan span;
   std::vector<const Card*> lines;
@@ -38,7 +38,7 @@ class RawSystemReader {
 
   std::shared_ptr<const RawSystem> read() {
     split();
-    for (Block& block : blocks_)
+    for (KeywordBlock& block : blocks_)
       if (block.keyword != "w") read_numbers(block);
     if (failed_) return nullptr;
     take_sizes();
@@ -51,7 +51,7 @@ class RawSystemReader {
     Rows start;
     place("x0", 1, states_, start);
     raw_.start = start.empty() ? std::vector<double>(states_, 0.0) : start[0];
-    if (const Block* w = find("w")) read_inputs(*w);
+    if (const KeywordBlock* w = find("w")) read_inputs(*w);
     if (failed_) return nullptr;
     raw_.states = static_cast<int>(states_);
     raw_.ports = static_cast<int>(ports_);
@@ -64,8 +64,8 @@ class RawSystemReader {
     failed_ = true;
   }
 
-  [[nodiscard]] const Block* find(std::string_view keyword) const {
-    const auto found = std::find_if(blocks_.begin(), blocks_.end(), [&](const Block& block) { return block.keyword == keyword; });
+  [[nodiscard]] const KeywordBlock* find(std::string_view keyword) const {
+    const auto found = std::find_if(blocks_.begin(), blocks_.end(), [&](const KeywordBlock& block) { return block.keyword == keyword; });
     return found == blocks_.end() ? nullptr : &*found;
   }
 
@@ -85,7 +85,7 @@ class RawSystemReader {
     }
   }
 
-  void read_numbers(Block& block) {
+  void read_numbers(KeywordBlock& block) {
     for (const Card* line : block.lines) {
       std::vector<double>& row = block.rows.emplace_back();
       read_number(line->name, line->name_span, row);
@@ -108,14 +108,14 @@ class RawSystemReader {
     const auto count = [&](std::string_view keyword) { return find(keyword) != nullptr ? find(keyword)->lines.size() : 0; };
     states_ = count("A");
     ports_ = std::max(count("C"), count("D"));
-    if (const Block* b = find("B"); ports_ == 0 && b != nullptr && !b->rows.empty()) ports_ = b->rows[0].size();
+    if (const KeywordBlock* b = find("B"); ports_ == 0 && b != nullptr && !b->rows.empty()) ports_ = b->rows[0].size();
     inputs_ = count("w");
     if (states_ + ports_ == 0) fail(card_.span, fmt::format("{} has neither states nor ports", card_.items[0].text));
   }
 
   /// The matrix behind `keyword`, or none: zero.
   void place(std::string_view keyword, std::size_t rows, std::size_t columns, Rows& matrix) {
-    const Block* block = find(keyword);
+    const KeywordBlock* block = find(keyword);
     if (block == nullptr) return;
     const std::size_t given = block->rows.empty() ? 0 : block->rows[0].size();
     if (block->rows.size() == rows && given == columns) {
@@ -127,7 +127,7 @@ class RawSystemReader {
   }
 
   /// Each line as on a V card.
-  void read_inputs(const Block& block) {
+  void read_inputs(const KeywordBlock& block) {
     for (const Card* line : block.lines) {
       std::vector<Item> items = line->items;
       Item head;
@@ -152,7 +152,7 @@ class RawSystemReader {
   const Card& card_;
   Scope& scope_;
   Reporter& reporter_;
-  std::vector<Block> blocks_;
+  std::vector<KeywordBlock> blocks_;
   RawSystem raw_;
   std::size_t states_ = 0, ports_ = 0, inputs_ = 0;
   bool failed_ = false;
@@ -160,7 +160,7 @@ class RawSystemReader {
 
 }  // namespace
 
-void read_raw_systems(const std::vector<const Card*>& cards, Scope& scope, Reporter& reporter, Circuit& circuit) {
+void read_raw_systems(const std::vector<const Card*>& cards, Scope& scope, Reporter& reporter, FlatCircuit& circuit) {
   for (const Card* card : cards) {
     const bool shaped = card->items.size() == 2 && card->items[0].kind == ItemKind::word;
     if (!shaped && !card->damaged) {

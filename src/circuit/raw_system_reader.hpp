@@ -10,6 +10,6 @@
 namespace pwlsim::circuit {
 
 /// Adds an instance for every card. Matrices that do not fit one another are errors at the line where the matrix begins.
-void read_raw_systems(const std::vector<const netlist::Card*>& cards, Scope& scope, Reporter& reporter, Circuit& circuit);
+void read_raw_systems(const std::vector<const netlist::Card*>& cards, Scope& scope, Reporter& reporter, FlatCircuit& circuit);
 
 }  // namespace pwlsim::circuit

@@ -25,7 +25,7 @@ double period_of(const model::SourceFunction& function) {
   return model::forever;
 }
 
-void check_row_step(const model::Network& network, const Transient& transient, Reporter& reporter) {
+void check_row_step(const model::Network& network, const TransientAnalysis& transient, Reporter& reporter) {
   const auto fastest = std::min_element(network.sources.begin(), network.sources.end(),
                                         [](const auto& x, const auto& y) { return period_of(x.function) < period_of(y.function); });
   if (fastest == network.sources.end()) return;
@@ -48,7 +48,7 @@ MeasuredExpression constant(double value, std::vector<double> gradient) {
 }
 
 /// How the period of a source moves with a parameter.
-double period_move(const model::Network& network, const model::Source& source, const Sensitivities::Parameter& parameter) {
+double period_move(const model::Network& network, const model::Source& source, const SensitivityAnalysis::Parameter& parameter) {
   for (const model::NetworkMove& move : parameter.moves) {
     if (move.item != model::NetworkMove::Item::source) continue;
     if (network.sources[static_cast<std::size_t>(move.index)].label.name != source.label.name) continue;
@@ -61,12 +61,12 @@ double period_move(const model::Network& network, const model::Source& source, c
 }
 
 /// To each parameter: of the period of a source. Elements whose values move it get a number of their own.
-std::vector<double> period_gradient(const model::Network& network, const model::Source& source, std::optional<Sensitivities>& card) {
+std::vector<double> period_gradient(const model::Network& network, const model::Source& source, std::optional<SensitivityAnalysis>& card) {
   std::vector<double> gradient;
   if (!card) return gradient;
   int count = 0;
-  for (const Sensitivities::Parameter& parameter : card->parameters) count = std::max(count, parameter.number + 1);
-  for (Sensitivities::Parameter& parameter : card->parameters) {
+  for (const SensitivityAnalysis::Parameter& parameter : card->parameters) count = std::max(count, parameter.number + 1);
+  for (SensitivityAnalysis::Parameter& parameter : card->parameters) {
     const double move = period_move(network, source, parameter);
     if (move == 0.0) continue;
     if (parameter.number < 0) parameter.number = count++;
@@ -79,7 +79,7 @@ std::vector<double> period_gradient(const model::Network& network, const model::
 }  // namespace
 
 void resolve_last_periods(const model::Network& network, Analyses& analyses, Measurements& measurements, Reporter& reporter) {
-  const Transient& transient = *analyses.transient;
+  const TransientAnalysis& transient = *analyses.transient;
   for (Measurement& measurement : measurements.list) {
     if (!measurement.last_periods) continue;
     const Measurement::LastPeriods& last = *measurement.last_periods;

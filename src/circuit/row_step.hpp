@@ -9,7 +9,7 @@ namespace pwlsim::circuit {
 
 /// `W-coarse-rows` if the period of a source contains two rows or fewer (Nyquist): the rows of a sine may all be zero.
 /// Names the source with the shortest period.
-void check_row_step(const model::Network& network, const Transient& transient, Reporter& reporter);
+void check_row_step(const model::Network& network, const TransientAnalysis& transient, Reporter& reporter);
 
 /// The period of a source; infinite if it does not repeat.
 [[nodiscard]] double period_of(const model::SourceFunction& function);

@@ -160,7 +160,7 @@ std::optional<SaveRequest> signal_request(const netlist::Expression& call, Repor
   return request;
 }
 
-void read_saves(Definitions& definitions, Reporter& reporter, Circuit& circuit) {
+void read_saves(Definitions& definitions, Reporter& reporter, FlatCircuit& circuit) {
   for (const Card* card : definitions.saves) {
     const bool names_analysis = same_name(card->name, ".print") || same_name(card->name, ".probe");
     if (card->items.empty() && same_name(card->name, ".save") && !card->damaged) {

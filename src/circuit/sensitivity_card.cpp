@@ -20,7 +20,7 @@ class SensitivityReader {
     result_.span = card.span;
   }
 
-  std::optional<Sensitivities> read() {
+  std::optional<SensitivityAnalysis> read() {
     for (const Item& item : card_.items) {
       if (item.kind == ItemKind::assignment)
         take_assignment(item);
@@ -86,10 +86,10 @@ class SensitivityReader {
       for (const Item& each : item.items) take_parameter(each);
       return;
     }
-    Sensitivities::Parameter parameter;
+    SensitivityAnalysis::Parameter parameter;
     parameter.name = without_spaces(reporter_.text(item.span));
     parameter.span = item.span;
-    const auto same = [&](const Sensitivities::Parameter& other) { return same_name(other.name, parameter.name); };
+    const auto same = [&](const SensitivityAnalysis::Parameter& other) { return same_name(other.name, parameter.name); };
     if (std::any_of(result_.parameters.begin(), result_.parameters.end(), same)) return;
     if (item.kind == ItemKind::word && scope_.knows(parameter.name)) {
       parameter.number = static_cast<int>(scope_.session().varied.size());
@@ -101,7 +101,7 @@ class SensitivityReader {
   void take_measurement(const Item& item) { result_.measurements.push_back(without_spaces(reporter_.text(item.span))); }
 
   void take_method(const Item& value) {
-    using Method = Sensitivities::Method;
+    using Method = SensitivityAnalysis::Method;
     if (is_word(value, "auto"))
       result_.method = Method::automatic;
     else if (is_word(value, "forward"))
@@ -115,12 +115,12 @@ class SensitivityReader {
   const Card& card_;
   Scope& scope_;
   Reporter& reporter_;
-  Sensitivities result_;
+  SensitivityAnalysis result_;
   void (SensitivityReader::*list_)(const Item&) = nullptr;  ///< where further words of a list go
   bool ok_ = true;
 };
 
-std::vector<std::string> measurement_names(const Circuit& circuit) {
+std::vector<std::string> measurement_names(const FlatCircuit& circuit) {
   std::vector<std::string> names;
   for (const Measurements* measurements : {&circuit.measurements, &circuit.orbit_measurements})
     for (const Measurement& measurement : measurements->list)
@@ -130,12 +130,12 @@ std::vector<std::string> measurement_names(const Circuit& circuit) {
 
 }  // namespace
 
-bool Sensitivities::wants(std::string_view measurement) const {
+bool SensitivityAnalysis::wants(std::string_view measurement) const {
   return measurements.empty() ||
          std::any_of(measurements.begin(), measurements.end(), [&](const std::string& name) { return same_name(name, measurement); });
 }
 
-void read_sensitivities(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit) {
+void read_sensitivities(const Definitions& definitions, Scope& scope, Reporter& reporter, FlatCircuit& circuit) {
   const auto& cards = definitions.sensitivities;
   if (cards.empty() || cards.back()->damaged) return;
   for (std::size_t k = 0; k + 1 < cards.size(); ++k)
@@ -144,9 +144,9 @@ void read_sensitivities(const Definitions& definitions, Scope& scope, Reporter& 
   circuit.analyses.sensitivities = SensitivityReader(*cards.back(), scope, reporter).read();
 }
 
-void check_sensitivities(Reporter& reporter, const Circuit& circuit) {
+void check_sensitivities(Reporter& reporter, const FlatCircuit& circuit) {
   if (!circuit.analyses.sensitivities) return;
-  const Sensitivities& card = *circuit.analyses.sensitivities;
+  const SensitivityAnalysis& card = *circuit.analyses.sensitivities;
   const std::vector<std::string> names = measurement_names(circuit);
   if (names.empty()) {
     if (!reporter.failed())
@@ -158,9 +158,9 @@ void check_sensitivities(Reporter& reporter, const Circuit& circuit) {
       reporter.error("E-sens-no-measurement", card.span, fmt::format("no .meas is called '{}'{}", wanted, suggestion(wanted, names)));
 }
 
-void take_parameter_values(Scope& scope, Circuit& circuit) {
+void take_parameter_values(Scope& scope, FlatCircuit& circuit) {
   if (!circuit.analyses.sensitivities) return;
-  for (Sensitivities::Parameter& parameter : circuit.analyses.sensitivities->parameters)
+  for (SensitivityAnalysis::Parameter& parameter : circuit.analyses.sensitivities->parameters)
     if (parameter.number >= 0) parameter.value = scope.own_value(parameter.name).value_or(0.0);
   circuit.unfollowed = scope.take_written(0);
   for (const ParameterText& text : scope.definition().parameters) circuit.parameter_names.push_back(text.name);

@@ -22,7 +22,8 @@ std::string column_key(const std::string& column) {
 
 class SignalList {
  public:
-  SignalList(const Circuit& circuit, const NameIndex& names, Reporter& reporter) : circuit_(circuit), names_(names), reporter_(reporter) {}
+  SignalList(const FlatCircuit& circuit, const NameIndex& names, Reporter& reporter)
+      : circuit_(circuit), names_(names), reporter_(reporter) {}
 
   std::vector<SignalSource> read() {
     if (circuit_.saves.empty()) add_all();
@@ -128,7 +129,7 @@ class SignalList {
     return fmt::format("unknown element '{}'{}", name, suggestion(name, names_.element_names()));
   }
 
-  const Circuit& circuit_;
+  const FlatCircuit& circuit_;
   const NameIndex& names_;
   Reporter& reporter_;
   std::vector<SignalSource> list_;
@@ -137,15 +138,15 @@ class SignalList {
 
 }  // namespace
 
-std::vector<SignalSource> resolve_signals(const Circuit& circuit, const NameIndex& names, Reporter& reporter) {
+std::vector<SignalSource> resolve_signals(const FlatCircuit& circuit, const NameIndex& names, Reporter& reporter) {
   return SignalList(circuit, names, reporter).read();
 }
 
-std::vector<SignalSource> resolve_probes(const Circuit& circuit, const NameIndex& names, Reporter& reporter) {
+std::vector<SignalSource> resolve_probes(const FlatCircuit& circuit, const NameIndex& names, Reporter& reporter) {
   return SignalList(circuit, names, reporter).read_probes();
 }
 
-std::vector<SignalSource> resolve_drawn(const Circuit& circuit, const NameIndex& names, const std::vector<SignalSource>& known) {
+std::vector<SignalSource> resolve_drawn(const FlatCircuit& circuit, const NameIndex& names, const std::vector<SignalSource>& known) {
   std::vector<SignalSource> drawn;
   const auto add = [&](SignalSource source) {
     const auto is_same = [&](const SignalSource& other) { return other.is_same(source); };

@@ -24,14 +24,14 @@ struct SignalSource {
 };
 
 /// In the order of the columns, each once. Unknown names are errors, with the nearest.
-[[nodiscard]] std::vector<SignalSource> resolve_signals(const Circuit& circuit, const NameIndex& names, Reporter& reporter);
+[[nodiscard]] std::vector<SignalSource> resolve_signals(const FlatCircuit& circuit, const NameIndex& names, Reporter& reporter);
 
 /// Of `circuit.drawn`, without those among `known`.
-[[nodiscard]] std::vector<SignalSource> resolve_drawn(const Circuit& circuit, const NameIndex& names,
+[[nodiscard]] std::vector<SignalSource> resolve_drawn(const FlatCircuit& circuit, const NameIndex& names,
                                                       const std::vector<SignalSource>& known);
 
-/// Signals that measurements read, in the order of Circuit::probes.
-[[nodiscard]] std::vector<SignalSource> resolve_probes(const Circuit& circuit, const NameIndex& names, Reporter& reporter);
+/// Signals that measurements read, in the order of FlatCircuit::probes.
+[[nodiscard]] std::vector<SignalSource> resolve_probes(const FlatCircuit& circuit, const NameIndex& names, Reporter& reporter);
 
 [[nodiscard]] model::Signal signal_of(const SignalSource& source, const std::vector<elements::Emitted>& emitted);
 

@@ -26,7 +26,7 @@ class SmallSignalReader {
     signal_.span = card.span;
   }
 
-  std::optional<SmallSignal> read() {
+  std::optional<SmallSignalAnalysis> read() {
     for (const Item& item : card_.items) {
       if (item.kind == ItemKind::assignment)
         take_assignment(item);
@@ -64,7 +64,7 @@ class SmallSignalReader {
     const Item& value = item.items[0];
     if (is_named(item, "from")) {
       if (value.kind == ItemKind::group) return take_timing(value);
-      signal_.input = SmallSignal::Input::source;
+      signal_.input = SmallSignalAnalysis::Input::source;
       signal_.sources = {value.text};
       signal_.input_span = value.span;
     } else if (is_named(item, "loop")) {
@@ -88,7 +88,7 @@ class SmallSignalReader {
   void take_timing(const Item& group) {
     if (!is_named(group, "freq") && !is_named(group, "duty"))
       return fail("E-unexpected", group.span, fmt::format("'{}' is not an input", group.text));
-    signal_.input = is_named(group, "freq") ? SmallSignal::Input::frequency : SmallSignal::Input::duty;
+    signal_.input = is_named(group, "freq") ? SmallSignalAnalysis::Input::frequency : SmallSignalAnalysis::Input::duty;
     signal_.input_span = group.span;
     for (const Item& source : group.items) signal_.sources.push_back(source.text);
     if (signal_.sources.empty()) fail("E-missing-value", group.span, fmt::format("{}() names no source", group.text));
@@ -119,7 +119,7 @@ class SmallSignalReader {
   const Card& card_;
   Scope& scope_;
   Reporter& reporter_;
-  SmallSignal signal_;
+  SmallSignalAnalysis signal_;
   std::string spacing_;
   std::vector<double> numbers_;
   bool follows_loop_ = false;
@@ -128,18 +128,18 @@ class SmallSignalReader {
 
 struct PartName {
   std::string_view letters;  ///< behind v or i
-  SmallSignal::Column::Part part;
+  SmallSignalAnalysis::Column::Part part;
 };
-constexpr PartName part_names[] = {{"m", SmallSignal::Column::Part::magnitude},
-                                   {"p", SmallSignal::Column::Part::phase},
-                                   {"r", SmallSignal::Column::Part::real},
-                                   {"i", SmallSignal::Column::Part::imaginary},
-                                   {"db", SmallSignal::Column::Part::decibels}};
+constexpr PartName part_names[] = {{"m", SmallSignalAnalysis::Column::Part::magnitude},
+                                   {"p", SmallSignalAnalysis::Column::Part::phase},
+                                   {"r", SmallSignalAnalysis::Column::Part::real},
+                                   {"i", SmallSignalAnalysis::Column::Part::imaginary},
+                                   {"db", SmallSignalAnalysis::Column::Part::decibels}};
 
 /// vm(a), vp(a), vr(a), vi(a), vdb(a), and the same of i; v(a) is magnitude and phase.
 class ColumnReader {
  public:
-  ColumnReader(Reporter& reporter, Circuit& circuit, std::vector<SmallSignal::Column>& columns)
+  ColumnReader(Reporter& reporter, FlatCircuit& circuit, std::vector<SmallSignalAnalysis::Column>& columns)
       : reporter_(reporter), circuit_(circuit), columns_(columns) {}
 
   void read(const Item& item) {
@@ -160,30 +160,30 @@ class ColumnReader {
     if (!request || request->kind == SaveRequest::Kind::all) return;
     const std::string inside = request->column.substr(request->column.find('('));
     const int probe = add_probe(circuit_, std::move(*request));
-    const auto add = [&](std::string_view part_letters, SmallSignal::Column::Part part) {
+    const auto add = [&](std::string_view part_letters, SmallSignalAnalysis::Column::Part part) {
       columns_.push_back({fmt::format("{}{}{}", signal.text, part_letters, inside), part, probe});
     };
     if (!letters.empty()) return add(known->letters, known->part);
-    add("m", SmallSignal::Column::Part::magnitude);
-    add("p", SmallSignal::Column::Part::phase);
+    add("m", SmallSignalAnalysis::Column::Part::magnitude);
+    add("p", SmallSignalAnalysis::Column::Part::phase);
   }
 
  private:
   Reporter& reporter_;
-  Circuit& circuit_;
-  std::vector<SmallSignal::Column>& columns_;
+  FlatCircuit& circuit_;
+  std::vector<SmallSignalAnalysis::Column>& columns_;
 };
 
 }  // namespace
 
 /// Beside a .tran without .pss, as in decks of other simulators, it is left out.
-void read_small_signal(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit) {
+void read_small_signal(const Definitions& definitions, Scope& scope, Reporter& reporter, FlatCircuit& circuit) {
   const auto& cards = definitions.small_signals;
   if (cards.empty() || cards.back()->damaged) return;
   for (std::size_t k = 0; k + 1 < cards.size(); ++k)
     reporter.warning("W-ignored-card", cards[k]->name_span,
                      fmt::format("this .ac is ignored: the last one is used, at {}", reporter.where(cards.back()->span)));
-  std::optional<SmallSignal>& small_signal = circuit.analyses.small_signal;
+  std::optional<SmallSignalAnalysis>& small_signal = circuit.analyses.small_signal;
   small_signal = SmallSignalReader(*cards.back(), scope, reporter).read();
   if (!small_signal) return;
   ColumnReader columns(reporter, circuit, small_signal->columns);

@@ -52,7 +52,7 @@ bool reads_itself(const Instance& instance) {
 }
 
 /// Whether other elements close a loop without resistance with this source, and capacitors are among them.
-bool charges_capacitors(const Circuit& circuit, const Instance& source) {
+bool charges_capacitors(const FlatCircuit& circuit, const Instance& source) {
   NodeGroups groups(circuit.nodes().size());
   const auto join = [&](auto joins) {
     for (const Instance& other : circuit.instances)
@@ -64,7 +64,7 @@ bool charges_capacitors(const Circuit& circuit, const Instance& source) {
 
 }  // namespace
 
-void resist_capacitors(Circuit& circuit, Reporter& reporter) {
+void resist_capacitors(FlatCircuit& circuit, Reporter& reporter) {
   for (Instance& source : circuit.instances) {
     if (!sets_voltage_by_formula(source) || source.nodes.size() != 2 || reads_itself(source)) continue;
     const auto& parts = source.formula->parts;

@@ -14,7 +14,7 @@ namespace {
 using netlist::Card;
 using netlist::Item;
 using ItemKind = Item::Kind;
-using Trigger = SteadyState::Trigger;
+using Trigger = SteadyStateAnalysis::Trigger;
 
 constexpr std::string_view pss_usage =
     ".pss [period=T | freq=f] [k=N] [on=S1 | off=S1 | when v(a)=b [rise|fall]] [tstab=t] [points=N] [maxiter=N] [maxperiods=N] [tol=x] "
@@ -24,12 +24,12 @@ constexpr double largest_count = 1e9;
 /// .pss as pwlsim and as ngspice have it, and .pop.
 class SteadyStateReader {
  public:
-  SteadyStateReader(const Card& card, Scope& scope, Reporter& reporter, Circuit& circuit)
+  SteadyStateReader(const Card& card, Scope& scope, Reporter& reporter, FlatCircuit& circuit)
       : card_(card), scope_(scope), reporter_(reporter), circuit_(circuit) {
     state_.span = card.span;
   }
 
-  std::optional<SteadyState> read() {
+  std::optional<SteadyStateAnalysis> read() {
     for (std::size_t k = 0; k < card_.items.size() && ok_; ++k) {
       const Item& item = card_.items[k];
       if (item.kind == ItemKind::assignment)
@@ -205,8 +205,8 @@ class SteadyStateReader {
   const Card& card_;
   Scope& scope_;
   Reporter& reporter_;
-  Circuit& circuit_;
-  SteadyState state_;
+  FlatCircuit& circuit_;
+  SteadyStateAnalysis state_;
   bool ok_ = true, is_when_ = false;
   int positional_ = 0;
 };
@@ -219,9 +219,9 @@ std::string with_dots(std::string name) {
 
 }  // namespace
 
-void check_trigger(Reporter& reporter, Circuit& circuit) {
+void check_trigger(Reporter& reporter, FlatCircuit& circuit) {
   if (!circuit.analyses.steady_state) return;
-  SteadyState& state = *circuit.analyses.steady_state;
+  SteadyStateAnalysis& state = *circuit.analyses.steady_state;
   if (state.trigger != Trigger::closes && state.trigger != Trigger::opens) return;
   const std::string wanted = with_dots(state.element);
   std::vector<std::string> names;
@@ -239,7 +239,7 @@ void check_trigger(Reporter& reporter, Circuit& circuit) {
                  fmt::format("unknown element '{}'{}", state.element, suggestion(state.element, names)));
 }
 
-void read_steady_state(const Definitions& definitions, Scope& scope, Reporter& reporter, Circuit& circuit) {
+void read_steady_state(const Definitions& definitions, Scope& scope, Reporter& reporter, FlatCircuit& circuit) {
   const auto& cards = definitions.steady_states;
   for (std::size_t k = 0; k + 1 < cards.size(); ++k)
     reporter.warning("W-second-pss", cards[k]->name_span,

@@ -280,7 +280,7 @@ void give_stepped_parameters(const Sweeps& sweeps, std::size_t run, Scope& scope
     if (sweeps.list[k].is_parameter) scope.define(sweeps.list[k].name, values[k], sweeps.list[k].span);
 }
 
-void set_stepped_elements(const Sweeps& sweeps, std::size_t run, Reporter& reporter, Circuit& circuit) {
+void set_stepped_elements(const Sweeps& sweeps, std::size_t run, Reporter& reporter, FlatCircuit& circuit) {
   const std::vector<double> values = sweeps.point(run);
   for (std::size_t k = 0; k < values.size(); ++k) {
     const Sweep& sweep = sweeps.list[k];

@@ -31,7 +31,7 @@ class TransientReader {
 
   bool wants_steady_state = false;
 
-  std::optional<Transient> read(std::uint64_t row_limit) {
+  std::optional<TransientAnalysis> read(std::uint64_t row_limit) {
     for (const Item& item : card_.items) read_item(item);
     if (!ok_) return std::nullopt;
     if (times_.empty()) {
@@ -39,7 +39,7 @@ class TransientReader {
       return std::nullopt;
     }
     if (times_.size() > 4) return fail("E-unexpected", times_[4].span, ".tran takes four times at most");
-    Transient transient = arrange();
+    TransientAnalysis transient = arrange();
     if (!check(transient, row_limit)) return std::nullopt;
     return transient;
   }
@@ -87,8 +87,8 @@ class TransientReader {
     }
   }
 
-  Transient arrange() const {
-    Transient transient;
+  TransientAnalysis arrange() const {
+    TransientAnalysis transient;
     transient.span = card_.span;
     transient.use_initial_conditions = use_initial_conditions_;
     transient.stop = times_[times_.size() == 1 ? 0 : 1].value;
@@ -98,7 +98,7 @@ class TransientReader {
     return transient;
   }
 
-  bool check(const Transient& transient, std::uint64_t row_limit) {
+  bool check(const TransientAnalysis& transient, std::uint64_t row_limit) {
     const SourceSpan stop_span = times_[times_.size() == 1 ? 0 : 1].span;
     const double length = transient.stop.seconds - transient.start.seconds;
     if (!(length > 0.0)) {
@@ -137,7 +137,8 @@ const Card* card_that_counts(const Definitions& definitions, Reporter& reporter)
 
 }  // namespace
 
-void read_analyses(const Definitions& definitions, SourceSpan title, Scope& scope, Reporter& reporter, bool required, Circuit& circuit) {
+void read_analyses(const Definitions& definitions, SourceSpan title, Scope& scope, Reporter& reporter, bool required,
+                   FlatCircuit& circuit) {
   Analyses& analyses = circuit.analyses;
   const Card* card = card_that_counts(definitions, reporter);
   read_steady_state(definitions, scope, reporter, circuit);

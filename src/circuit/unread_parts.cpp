@@ -16,7 +16,7 @@ using model::NodeIndex;
 /// Nodes that elements join, ground apart.
 class Islands {
  public:
-  explicit Islands(const Circuit& circuit) : sets_(static_cast<int>(circuit.nodes().size())) {
+  explicit Islands(const FlatCircuit& circuit) : sets_(static_cast<int>(circuit.nodes().size())) {
     for (const Instance& instance : circuit.instances) {
       std::vector<NodeIndex> nodes = instance.nodes;
       for (const elements::BlockInput& input : instance.inputs)
@@ -40,7 +40,7 @@ class Islands {
 
 class UnreadSearch {
  public:
-  UnreadSearch(Circuit& circuit, const std::vector<int>& sources)
+  UnreadSearch(FlatCircuit& circuit, const std::vector<int>& sources)
       : circuit_(circuit), sources_(sources.begin(), sources.end()), islands_(circuit) {}
 
   std::vector<UnreadPart> run() {
@@ -113,13 +113,15 @@ class UnreadSearch {
     return left_out;
   }
 
-  Circuit& circuit_;
+  FlatCircuit& circuit_;
   std::set<int> sources_, unread_;
   Islands islands_;
 };
 
 }  // namespace
 
-std::vector<UnreadPart> leave_out_unread(Circuit& circuit, const std::vector<int>& sources) { return UnreadSearch(circuit, sources).run(); }
+std::vector<UnreadPart> leave_out_unread(FlatCircuit& circuit, const std::vector<int>& sources) {
+  return UnreadSearch(circuit, sources).run();
+}
 
 }  // namespace pwlsim::circuit

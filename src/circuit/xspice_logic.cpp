@@ -23,7 +23,7 @@ using netlist::Item;
 using ItemKind = Item::Kind;
 
 /// A block, and the device that stands for it.
-struct Block {
+struct LogicBlock {
   enum class Shape { into_bits, out_of_bits, single, gate, flip_flop, toggle, jk, latch, data_latch, contact, oscillator };
   std::string_view type;
   Shape shape;
@@ -31,28 +31,28 @@ struct Block {
   char output = '7';     ///< '6' where the device's complement is meant
   std::size_t most = 5;  ///< inputs
 };
-constexpr Block blocks[] = {
-    {"adc_bridge", Block::Shape::into_bits, "schmitt"},
-    {"dac_bridge", Block::Shape::out_of_bits, "buf"},
-    {"d_buffer", Block::Shape::single, "buf"},
-    {"d_inverter", Block::Shape::single, "buf", '6'},
-    {"d_and", Block::Shape::gate, "and"},
-    {"d_nand", Block::Shape::gate, "and", '6'},
-    {"d_or", Block::Shape::gate, "or"},
-    {"d_nor", Block::Shape::gate, "or", '6'},
-    {"d_xor", Block::Shape::gate, "xor", '7', 2},
-    {"d_xnor", Block::Shape::gate, "xor", '6', 2},
-    {"d_dff", Block::Shape::flip_flop, "dflop"},
-    {"d_tff", Block::Shape::toggle, "dflop"},
-    {"d_jkff", Block::Shape::jk, "dflop"},
-    {"d_srlatch", Block::Shape::latch, "srflop"},
-    {"d_dlatch", Block::Shape::data_latch, "srflop"},
-    {"aswitch", Block::Shape::contact, {}},
-    {"triangle", Block::Shape::oscillator, {}},
-    {"square", Block::Shape::oscillator, {}},
-    {"sine", Block::Shape::oscillator, {}},
-    {"d_osc", Block::Shape::oscillator, {}},
-    {"d_pwm", Block::Shape::oscillator, {}},
+constexpr LogicBlock blocks[] = {
+    {"adc_bridge", LogicBlock::Shape::into_bits, "schmitt"},
+    {"dac_bridge", LogicBlock::Shape::out_of_bits, "buf"},
+    {"d_buffer", LogicBlock::Shape::single, "buf"},
+    {"d_inverter", LogicBlock::Shape::single, "buf", '6'},
+    {"d_and", LogicBlock::Shape::gate, "and"},
+    {"d_nand", LogicBlock::Shape::gate, "and", '6'},
+    {"d_or", LogicBlock::Shape::gate, "or"},
+    {"d_nor", LogicBlock::Shape::gate, "or", '6'},
+    {"d_xor", LogicBlock::Shape::gate, "xor", '7', 2},
+    {"d_xnor", LogicBlock::Shape::gate, "xor", '6', 2},
+    {"d_dff", LogicBlock::Shape::flip_flop, "dflop"},
+    {"d_tff", LogicBlock::Shape::toggle, "dflop"},
+    {"d_jkff", LogicBlock::Shape::jk, "dflop"},
+    {"d_srlatch", LogicBlock::Shape::latch, "srflop"},
+    {"d_dlatch", LogicBlock::Shape::data_latch, "srflop"},
+    {"aswitch", LogicBlock::Shape::contact, {}},
+    {"triangle", LogicBlock::Shape::oscillator, {}},
+    {"square", LogicBlock::Shape::oscillator, {}},
+    {"sine", LogicBlock::Shape::oscillator, {}},
+    {"d_osc", LogicBlock::Shape::oscillator, {}},
+    {"d_pwm", LogicBlock::Shape::oscillator, {}},
 };
 
 /// What the model of a block may give, apart from what is read: loads, edges, the level of the unknown state.
@@ -60,8 +60,9 @@ constexpr std::string_view without_use[] = {"input_load",     "data_load", "clk_
                                             "t_fall",         "out_undef", "log",      "limit",       "family",     "t_load",
                                             "inertial_delay", "jk_load",   "sr_load",  "enable_load", "rise_time",  "fall_time"};
 
-const Block* find_block(std::string_view type) {
-  const auto* found = std::find_if(std::begin(blocks), std::end(blocks), [&](const Block& block) { return same_name(block.type, type); });
+const LogicBlock* find_block(std::string_view type) {
+  const auto* found =
+      std::find_if(std::begin(blocks), std::end(blocks), [&](const LogicBlock& block) { return same_name(block.type, type); });
   return found == std::end(blocks) ? nullptr : found;
 }
 
@@ -116,18 +117,18 @@ class XspiceReplacement {
     read_ports();
     check_parameters();
     switch (block_->shape) {
-      case Block::Shape::into_bits:
-      case Block::Shape::out_of_bits:
+      case LogicBlock::Shape::into_bits:
+      case LogicBlock::Shape::out_of_bits:
         bridge();
         break;
-      case Block::Shape::single:
-      case Block::Shape::gate:
+      case LogicBlock::Shape::single:
+      case LogicBlock::Shape::gate:
         gate(inverted);
         break;
-      case Block::Shape::contact:
+      case LogicBlock::Shape::contact:
         contact();
         break;
-      case Block::Shape::oscillator:
+      case LogicBlock::Shape::oscillator:
         oscillator();
         break;
       default:
@@ -179,7 +180,7 @@ class XspiceReplacement {
                                                  "r_on",   "r_off",   "rise_delay", "fall_delay", "clk_delay", "ic"};
     static constexpr std::string_view known_to_oscillators[] = {"cntl_array", "freq_array", "dc_array",  "out_low",
                                                                 "out_high",   "duty_cycle", "frequency", "init_phase"};
-    const bool is_oscillator = block_->shape == Block::Shape::oscillator;
+    const bool is_oscillator = block_->shape == LogicBlock::Shape::oscillator;
     for (const Item* item : text_->parameters) {
       if (item->kind != ItemKind::assignment || is_one_of(without_use, item->text)) continue;
       if (is_oscillator ? is_one_of(known_to_oscillators, item->text) : is_one_of(known, item->text)) continue;
@@ -215,10 +216,10 @@ class XspiceReplacement {
 
   /// One delay counts for all of a device's inputs.
   [[nodiscard]] std::string_view own_delay() const {
-    return block_->shape == Block::Shape::latch        ? "sr_delay"
-           : block_->shape == Block::Shape::data_latch ? "data_delay"
-           : same_name(block_->device, "dflop")        ? "clk_delay"
-                                                       : "rise_delay";
+    return block_->shape == LogicBlock::Shape::latch        ? "sr_delay"
+           : block_->shape == LogicBlock::Shape::data_latch ? "data_delay"
+           : same_name(block_->device, "dflop")             ? "clk_delay"
+                                                            : "rise_delay";
   }
 
   /// Delays that the model gives; those that it does not are none.
@@ -244,7 +245,7 @@ class XspiceReplacement {
         if (item->text.starts_with('~')) item->text.erase(0, 1);
       LogicDevice device = device_of(block_->device, "1", is_inverted ? "6" : "7");
       std::vector<Item> assignments;
-      if (block_->shape == Block::Shape::into_bits) {
+      if (block_->shape == LogicBlock::Shape::into_bits) {
         const Expression low = expression_of(given("in_low"), 1.0), high = expression_of(given("in_high"), 2.0);
         assignments.push_back(assignment("vt", combined(0.5, high, "+", low), span()));
         assignments.push_back(assignment("vh", combined(0.5, high, "-", low), span()));
@@ -272,7 +273,7 @@ class XspiceReplacement {
     const std::size_t count = ports_.empty() ? 0 : ports_[0].nodes.size();
     if (ports_.size() != 2 || ports_[1].nodes.size() != 1 || count == 0)
       return fail(fmt::format("needs an input and an output; usage: {} {} output {}", card_.name,
-                              block_->shape == Block::Shape::single ? "input" : "[input ...]", card_.items.back().text));
+                              block_->shape == LogicBlock::Shape::single ? "input" : "[input ...]", card_.items.back().text));
     if (count > block_->most)
       return reporter_.error(
           "E-not-supported", card_.span,
@@ -374,17 +375,17 @@ class XspiceReplacement {
 
   void stateful(std::unordered_set<std::string>& inverted) {
     switch (block_->shape) {
-      case Block::Shape::toggle:
+      case LogicBlock::Shape::toggle:
         if (take_nodes(4, "t clk set reset", inverted)) flip_flop(made_gate("xor", {nodes_[0], needed_output(4)}), 1);
         return;
-      case Block::Shape::jk:
+      case LogicBlock::Shape::jk:
         if (take_nodes(5, "j k clk set reset", inverted)) {
           const Item sets = made_gate("and", {nodes_[0], needed_output(6)});
           const Item keeps = made_gate("and", {made_gate("buf", {nodes_[1]}, true), needed_output(5)});
           flip_flop(made_gate("or", {sets, keeps}), 2);
         }
         return;
-      case Block::Shape::latch:
+      case LogicBlock::Shape::latch:
         if (take_nodes(5, "s r enable set reset", inverted)) {
           const bool is_gated = !is_null(nodes_[2]);
           const auto gated = [&](const Item& item) { return is_gated && !is_null(item) ? made_gate("and", {item, nodes_[2]}) : item; };
@@ -392,7 +393,7 @@ class XspiceReplacement {
           set_reset(set, reset, 5);
         }
         return;
-      case Block::Shape::data_latch:
+      case LogicBlock::Shape::data_latch:
         if (take_nodes(4, "data enable set reset", inverted)) {
           const Item set = made_gate("and", {nodes_[0], nodes_[1]});
           const Item reset = made_gate("and", {made_gate("buf", {nodes_[0]}, true), nodes_[1]});
@@ -434,8 +435,8 @@ class XspiceReplacement {
   }
 
   void note_idealisation() {
-    if (block_->shape == Block::Shape::oscillator) return;
-    if (block_->shape == Block::Shape::contact) {
+    if (block_->shape == LogicBlock::Shape::oscillator) return;
+    if (block_->shape == LogicBlock::Shape::contact) {
       if (reporter_.first_time("XSPICE's switch"))
         reporter_.note("N-idealised", span(), "XSPICE's aswitch is idealised: it switches in the middle between cntl_off and cntl_on");
     } else if (reporter_.first_time("XSPICE's logic")) {
@@ -450,7 +451,7 @@ class XspiceReplacement {
   const Card& card_;
   Reporter& reporter_;
   std::optional<ModelText> text_;
-  const Block* block_ = nullptr;
+  const LogicBlock* block_ = nullptr;
   std::vector<Port> ports_;
   std::vector<Item> nodes_;  ///< of blocks whose ports are one node each
   std::size_t inner_ = 0;    ///< gates made

@@ -30,7 +30,7 @@ analysis::PreparedEngine prepare(const model::Network& network, const circuit::A
 }
 
 /// Equally spaced within (start, stop), moved off the events: there a signal may jump.
-std::vector<double> sample_times(const circuit::Transient& transient, const std::vector<double>& events) {
+std::vector<double> sample_times(const circuit::TransientAnalysis& transient, const std::vector<double>& events) {
   const double start = transient.start.seconds, length = transient.stop.seconds - start, apart = length / (100.0 * sample_count);
   std::vector<double> times;
   for (std::size_t k = 1; k <= sample_count; ++k) {
@@ -165,7 +165,7 @@ class CompareSession {
   }
 
   int sample(const analysis::PreparedEngine& engine, const Watched& watch, std::size_t signals) {
-    const circuit::Transient& transient = *analyses_.transient;
+    const circuit::TransientAnalysis& transient = *analyses_.transient;
     const std::size_t columns = watch.network.signals.size();
     analysis::RunControl with_events = control();
     with_events.events = true;
@@ -187,7 +187,7 @@ class CompareSession {
 
   /// A run with more events than ngspice can follow in its time is compared up to the last that it can.
   void cut_to_budget(std::vector<double>& events) {
-    circuit::Transient& transient = *analyses_.transient;
+    circuit::TransientAnalysis& transient = *analyses_.transient;
     const auto most = static_cast<std::size_t>(std::max(1.0, events_per_second * options_.budget));
     report_.stop = report_.until = transient.stop.seconds;
     if (events.size() <= most) return;
@@ -210,7 +210,7 @@ class CompareSession {
   }
 
   int watch_events(const analysis::PreparedEngine& engine, const Watched& watch, std::size_t signals, const std::vector<double>& events) {
-    const circuit::Transient& transient = *analyses_.transient;
+    const circuit::TransientAnalysis& transient = *analyses_.transient;
     std::vector<double> inner, middles;
     for (double event : events)
       if (event > transient.start.seconds && event < transient.stop.seconds) inner.push_back(event);
@@ -233,7 +233,7 @@ class CompareSession {
     settings.snubber = snubber_;
     Progress progress(options_.progress, options_.budget);
     settings.watcher = [&](double seconds) { progress.spent(seconds); };
-    circuit::Circuit window = *compiled_->circuit;
+    circuit::FlatCircuit window = *compiled_->circuit;
     window.analyses = analyses_;
     report_.study = spice::refine(window, program, settings, diagnostics);
     messages_.report(diagnostics, sources_);
@@ -260,7 +260,7 @@ class CompareSession {
   spice::Snubber snubber_;
   PictureFile plot_;
   std::vector<double> times_;
-  spice::ExactRun exact_;
+  spice::ExactResults exact_;
   CompareReport report_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "analysis/orbit_verdict.hpp"
 #include "analysis/report.hpp"
 #include "analysis/steady_state.hpp"
 #include "cli/analysis_session.hpp"

@@ -62,8 +62,8 @@ class SmallSignalSession : public AnalysisSession {
 
  private:
   static int fail(RunContext& run, const std::string& id, const std::string& message) {
-    const circuit::SmallSignal& card = *run.analyses().small_signal;
-    const bool names_input = card.input != circuit::SmallSignal::Input::marked || !card.loop.empty();
+    const circuit::SmallSignalAnalysis& card = *run.analyses().small_signal;
+    const bool names_input = card.input != circuit::SmallSignalAnalysis::Input::marked || !card.loop.empty();
     run.messages.report({Severity::error, id, names_input && id == "E-ac-no-input" ? card.input_span : card.span, message}, run.sources);
     return static_cast<int>(Status::wrong_input);
   }

@@ -328,7 +328,7 @@ class Sweep {
 
   analysis::RunControl control_of(std::size_t run, const circuit::Compiled& compiled) {
     analysis::RunControl control{task_.options.events, false, {}, &caught_signal()};
-    const circuit::Transient& transient = *compiled.analyses.transient;
+    const circuit::TransientAnalysis& transient = *compiled.analyses.transient;
     if (auto* const recorder = runs_.recorder_of(run); recorder != nullptr)
       control.recorder = &recorder->emplace(transient.start.seconds, transient.stop.seconds, compiled.saved_signals(), runs_.drawn.size());
     return control;

@@ -40,7 +40,7 @@ class TransientSession : public AnalysisSession {
 
  private:
   analysis::TransientRun simulate(RunContext& run) {
-    const circuit::Transient& card = *run.analyses().transient;
+    const circuit::TransientAnalysis& card = *run.analyses().transient;
     const RunOptions& options = run.options;
     Progress progress(options.progress, card.stop.seconds);
     const bool keeps_jumps = options.events || options.json || run.report_file || !options.stats.empty();

@@ -23,7 +23,7 @@ class VariedValues {
   const Model& model_;
 };
 
-struct Block {
+struct BlockKind {
   bool takes_vector = false;  ///< any number of inputs
   /// For a block without memory: its output as a formula of its inputs. Else null.
   AffineSum (*law)(FormulaBuilder& builder, const VariedValues& values, const std::vector<AffineSum>& inputs) = nullptr;

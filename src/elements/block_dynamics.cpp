@@ -105,7 +105,7 @@ constexpr Parameter transfer_parameters[] = {
     {"int_ic", "", 0.0, Range::any, false, "Initial states; only zero.", Use::honoured, true},
 };
 
-constexpr Block integrator_block{false, nullptr, integrate, smooth_integrator},
+constexpr BlockKind integrator_block{false, nullptr, integrate, smooth_integrator},
     derivative_block{false, nullptr, differentiate, smooth_derivative}, transfer_block{false, nullptr, transfer, smooth_transfer};
 
 }  // namespace

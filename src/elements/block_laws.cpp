@@ -124,7 +124,7 @@ constexpr Parameter deadzone_parameters[] = {
 };
 constexpr Parameter friction_parameters[] = {{"fc", "", 1.0, Range::not_negative, false, "Friction force at any speed above zero."}};
 
-constexpr Block gain_block{false, gain_law}, summer_block{true, summer_law}, limit_block{false, limit_law}, hyst_block{false, hyst_law},
+constexpr BlockKind gain_block{false, gain_law}, summer_block{true, summer_law}, limit_block{false, limit_law}, hyst_block{false, hyst_law},
     pwl_block{false, pwl_law}, relay_block{false, relay_law}, deadzone_block{false, deadzone_law}, friction_block{false, friction_law};
 
 }  // namespace

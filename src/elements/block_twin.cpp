@@ -23,7 +23,7 @@ std::string read(Twin& twin, const BlockInput& input, std::size_t k) {
   return current_text(twin.device('V', part));
 }
 
-std::string law_text(Twin& twin, const Block& block, const std::vector<std::string>& inputs) {
+std::string law_text(Twin& twin, const BlockKind& block, const std::vector<std::string>& inputs) {
   FormulaBuilder builder;
   std::vector<AffineSum> sums;
   for (std::size_t k = 0; k < inputs.size(); ++k) sums.push_back(builder.voltage(static_cast<int>(k)));
@@ -51,7 +51,7 @@ std::string smooth_transfer(Twin& twin, const std::string& input) {
 }
 
 void twin_of_block(Twin& twin) {
-  const Block& block = *twin.model().kind->block;
+  const BlockKind& block = *twin.model().kind->block;
   std::vector<std::string> inputs;
   for (const BlockInput& input : twin.instance().inputs) inputs.push_back(read(twin, input, inputs.size()));
   const std::string output = block.law != nullptr ? law_text(twin, block, inputs) : block.smooth_dynamics(twin, inputs[0]);

@@ -19,7 +19,7 @@ struct Choice {
   Varied on_level{}, off_level{};
 };
 /// `above` after the control has risen above on_level until it falls below off_level, else `below`.
-[[nodiscard]] MovingForm add_choice(model::Builder& builder, const model::Label& label, const Choice& choice, const MovingForm& above,
-                                    const MovingForm& below);
+[[nodiscard]] MovingForm add_choice(model::NetworkBuilder& builder, const model::Label& label, const Choice& choice,
+                                    const MovingForm& above, const MovingForm& below);
 
 }  // namespace pwlsim::elements

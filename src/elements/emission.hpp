@@ -30,8 +30,8 @@ struct Emitted {
 class Emission {
  public:
   /// `emitted` has one entry per instance of the circuit; the lists outlive the Emission.
-  Emission(const std::vector<Instance>& instances, const std::vector<Model>& models, std::vector<Emitted>& emitted, model::Builder& builder,
-           Diagnostics& diagnostics)
+  Emission(const std::vector<Instance>& instances, const std::vector<Model>& models, std::vector<Emitted>& emitted,
+           model::NetworkBuilder& builder, Diagnostics& diagnostics)
       : instances_(instances),
         models_(models),
         emitted_(emitted),
@@ -65,7 +65,7 @@ class Emission {
   [[nodiscard]] const Instance& referenced(std::size_t k) const { return instances_[reference(k)]; }
   [[nodiscard]] const Emitted& referenced_result(std::size_t k) const { return emitted_[reference(k)]; }
 
-  [[nodiscard]] model::Builder& builder() { return builder_; }
+  [[nodiscard]] model::NetworkBuilder& builder() { return builder_; }
   [[nodiscard]] Diagnostics& diagnostics() { return diagnostics_; }
 
  private:
@@ -76,7 +76,7 @@ class Emission {
   const std::vector<Instance>& instances_;
   const std::vector<Model>& models_;
   std::vector<Emitted>& emitted_;
-  model::Builder& builder_;
+  model::NetworkBuilder& builder_;
   Diagnostics& diagnostics_;
   std::vector<char> followed_;  ///< instances whose current another one reads
   std::size_t index_ = 0;

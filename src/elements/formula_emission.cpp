@@ -74,7 +74,7 @@ class FormulaEmission {
   }
 
   int add_source(const FormulaPart& part) {
-    model::Builder& builder = emission_.builder();
+    model::NetworkBuilder& builder = emission_.builder();
     // Each has a name of its own, by which derivatives find it.
     const model::Label label = sources_ == 0 ? emission_.label() : emission_.label(fmt::format("time {}", sources_ + 1));
     ++sources_;

@@ -20,7 +20,7 @@ namespace pwlsim::elements {
 class Emission;
 class Twin;
 struct TwinEvent;
-struct Block;
+struct BlockKind;
 struct Instance;
 struct RawSystem;
 struct Model;
@@ -42,7 +42,7 @@ struct ModelKind {
   ParameterTable parameters;
   /// Converts the written values to those that emit reads, and reports changes. May be null.
   void (*complete)(Model& model, const Settings& settings, Diagnostics& diagnostics) = nullptr;
-  const Block* block = nullptr;      ///< of an A element: the block between input and output
+  const BlockKind* block = nullptr;  ///< of an A element: the block between input and output
   bool is_idealised = false;         ///< its elements become something else: it is not read if nothing uses it
   std::span<const double> levels{};  ///< values of its parameter `level` that can be idealised; all if empty
   bool has_optional_nodes = true;    ///< else nodes after those that its element needs are not part of the circuit

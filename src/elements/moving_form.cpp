@@ -27,12 +27,12 @@ MovingForm scaled(const MovingForm& form, const Varied& factor) {
   return result;
 }
 
-void add_moves(model::Builder& builder, model::NetworkMove::Item item, int index, const std::vector<model::LinearForm>& moved) {
+void add_moves(model::NetworkBuilder& builder, model::NetworkMove::Item item, int index, const std::vector<model::LinearForm>& moved) {
   for (std::size_t k = 0; k < moved.size(); ++k)
     if (!moved[k].empty()) builder.move(k, {.item = item, .index = index, .form = moved[k]});
 }
 
-void add_moves(model::Builder& builder, model::NetworkMove::Item item, int index, const Varied& number) {
+void add_moves(model::NetworkBuilder& builder, model::NetworkMove::Item item, int index, const Varied& number) {
   for (std::size_t k = 0; k < number.gradient.size(); ++k)
     if (number.gradient[k] != 0.0) builder.move(k, {.item = item, .index = index, .derivative = number.gradient[k]});
 }

@@ -22,7 +22,7 @@ void accumulate(MovingForm& sum, const MovingForm& form, const Varied& factor = 
 [[nodiscard]] MovingForm scaled(const MovingForm& form, const Varied& factor);
 
 /// Tells the builder that a form of the network, which has been added, moves so; or that a number does.
-void add_moves(model::Builder& builder, model::NetworkMove::Item item, int index, const std::vector<model::LinearForm>& moved);
-void add_moves(model::Builder& builder, model::NetworkMove::Item item, int index, const Varied& number);
+void add_moves(model::NetworkBuilder& builder, model::NetworkMove::Item item, int index, const std::vector<model::LinearForm>& moved);
+void add_moves(model::NetworkBuilder& builder, model::NetworkMove::Item item, int index, const Varied& number);
 
 }  // namespace pwlsim::elements

@@ -19,7 +19,7 @@ void add_row(LinearForm& form, const Rows& rows, std::size_t index, const std::v
 
 void emit(Emission& emission) {
   const RawSystem& raw = *emission.instance().raw_system;
-  model::Builder& builder = emission.builder();
+  model::NetworkBuilder& builder = emission.builder();
   RawSignals& signals = emission.result().raw;
   std::vector<LinearForm> inputs;
   std::vector<model::NodeIndex> nodes;

@@ -13,7 +13,7 @@ using model::LinearForm;
 using model::Network;
 
 /// 1 where the argument is positive, 0 where it is negative, and at 0 as `at_zero` says: a half is the mean of both answers.
-LinearForm add_decision(model::Builder& builder, const model::Label& label, const MovingForm& argument, double at_zero) {
+LinearForm add_decision(model::NetworkBuilder& builder, const model::Label& label, const MovingForm& argument, double at_zero) {
   const MovingForm nothing, one(LinearForm{model::constant(1.0)});
   const auto answer = [&](bool holds_at_zero) {
     return holds_at_zero ? add_choice(builder, label, {scaled(argument, -1.0), 0.0, 0.0}, nothing, one).form
@@ -27,7 +27,7 @@ LinearForm add_decision(model::Builder& builder, const model::Label& label, cons
 }
 
 /// What parameters move in the slack of a complementarity that goes, taken.
-std::vector<LinearForm> take_moves(model::Builder& builder, int complementarity) {
+std::vector<LinearForm> take_moves(model::NetworkBuilder& builder, int complementarity) {
   std::vector<LinearForm> moved;
   const auto is_own = [&](const model::NetworkMove& move) {
     return move.item == model::NetworkMove::Item::slack_form && move.index == complementarity;
@@ -54,7 +54,7 @@ class Replacement {
     goes_[static_cast<std::size_t>(input)] = 1;
   }
 
-  void apply(model::Builder& builder) {
+  void apply(model::NetworkBuilder& builder) {
     Network& network = builder.network();
     number();
     for (model::NetworkMoves& moves : builder.moves())
@@ -102,7 +102,7 @@ class Replacement {
 
 }  // namespace
 
-void decide_steps(model::Builder& builder) {
+void decide_steps(model::NetworkBuilder& builder) {
   const std::vector<model::Step> steps = builder.take_steps();
   if (steps.empty()) return;
   const std::vector<char> in_loop = model::steps_in_loops(builder.network(), steps);

@@ -13,8 +13,8 @@ namespace pwlsim::engine {
 
 /// From the DC operating point, or with uic from initial values. If a part has no operating point the run reports this; if it cannot continue from there
 /// either, its error includes this. `start`: with its Answer `answer` and `missing`; `run_from(start)`: the run.
-template <class Start, class RunFrom>
-Answer run_from_start(const Request& request, std::chrono::steady_clock::time_point began, const Start& start, RunFrom run_from) {
+template <class EngineStart, class RunFrom>
+Answer run_from_start(const Request& request, std::chrono::steady_clock::time_point began, const EngineStart& start, RunFrom run_from) {
   constexpr double at_start = 1e-9;  ///< of the run
   if (start.answer.outcome != Outcome::completed) return start.answer;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
@@ -32,8 +32,8 @@ Answer run_from_start(const Request& request, std::chrono::steady_clock::time_po
 }
 
 /// The missing operating point of `start`, as the failure of an analysis that needs it.
-template <class Start>
-Answer answer_of_operating_point(const Start& start) {
+template <class EngineStart>
+Answer answer_of_operating_point(const EngineStart& start) {
   Answer answer = start.answer;
   if (start.missing.empty()) return answer;
   answer.outcome = Outcome::no_solution;

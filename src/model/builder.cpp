@@ -21,7 +21,7 @@ void accumulate(LinearForm& sum, const LinearForm& form, double factor) {
   }
 }
 
-NodeIndex Builder::node(std::string_view name, SourceSpan where) {
+NodeIndex NetworkBuilder::node(std::string_view name, SourceSpan where) {
   std::string key = without_case(name);
   if (is_ground_name(key)) return ground;
   const auto next = static_cast<NodeIndex>(network_.nodes.size());
@@ -30,7 +30,7 @@ NodeIndex Builder::node(std::string_view name, SourceSpan where) {
   return entry->second;
 }
 
-std::optional<NodeIndex> Builder::find_node(std::string_view name) const {
+std::optional<NodeIndex> NetworkBuilder::find_node(std::string_view name) const {
   const std::string key = without_case(name);
   if (is_ground_name(key)) return ground;
   const auto entry = node_by_name_.find(key);
@@ -38,7 +38,7 @@ std::optional<NodeIndex> Builder::find_node(std::string_view name) const {
   return entry->second;
 }
 
-NodeIndex Builder::inner_node(Label label) {
+NodeIndex NetworkBuilder::inner_node(Label label) {
   network_.nodes.push_back(std::move(label));
   return static_cast<NodeIndex>(network_.nodes.size()) - 1;
 }

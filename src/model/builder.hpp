@@ -27,7 +27,7 @@ struct Step {
 };
 
 /// Names are compared without case; they are kept as first given. Every `add` returns the index of the item within its list.
-class Builder {
+class NetworkBuilder {
  public:
   /// The node of that name, created at its first use. "0" and "gnd" are ground.
   NodeIndex node(std::string_view name, SourceSpan where = {});

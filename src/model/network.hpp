@@ -1,6 +1,6 @@
 #pragma once
 /// A flat circuit as the model sees it, in a closed vocabulary: resistors, energy stores, linear rows, sources,
-/// complementarity ports, and switches driven by a guard. Elements emit it through Builder; nothing here knows a netlist.
+/// complementarity ports, and switches driven by a guard. Elements emit it through NetworkBuilder; nothing here knows a netlist.
 ///
 /// Signs: a current named after an element enters its first node p and leaves at n; v = v(p) − v(n).
 

@@ -55,7 +55,7 @@ ComparedEvents compare_events(const SwitchingTimes& exact, const SwitchingTimes&
 
 }  // namespace
 
-Comparison compare(const Study& study, const std::vector<double>& sample_times, const ExactRun& exact) {
+Comparison compare(const Study& study, const std::vector<double>& sample_times, const ExactResults& exact) {
   Comparison comparison;
   for (std::size_t k = 0; k < study.signals.size(); ++k)
     comparison.signals.push_back(compare_signal(study.signals[k], sample_times, exact.values[k]));

@@ -15,7 +15,7 @@ struct SwitchingTimes {
 };
 
 /// Results of the exact engine. `values`: one list per signal, at the study's sample times.
-struct ExactRun {
+struct ExactResults {
   std::vector<std::vector<double>> values;
   std::vector<SwitchingTimes> switching;
 };
@@ -46,7 +46,7 @@ struct Comparison {
   std::vector<ComparedEvents> events;
 };
 
-[[nodiscard]] Comparison compare(const Study& study, const std::vector<double>& sample_times, const ExactRun& exact);
+[[nodiscard]] Comparison compare(const Study& study, const std::vector<double>& sample_times, const ExactResults& exact);
 
 /// The times at which the control of a part crosses its levels in ngspice's waveforms, with straight lines between points.
 [[nodiscard]] SwitchingTimes switching_times(const SwitchingPart& part, const waveform::RawFile& waveforms);

@@ -15,13 +15,13 @@
 namespace pwlsim::spice {
 namespace {
 
-using circuit::Circuit;
+using circuit::FlatCircuit;
 using circuit::SignalSource;
 
 constexpr double steps_at_least = 1000.0;
 constexpr double leak = 1e12;  // ohm from every node to ground: floating parts have a potential then
 
-std::vector<std::string> node_names(const Circuit& circuit) {
+std::vector<std::string> node_names(const FlatCircuit& circuit) {
   std::vector<std::string> names;
   for (const model::Label& node : circuit.nodes()) names.push_back(node.name);
   return names;
@@ -35,7 +35,7 @@ std::string one_line(std::string text) {
 
 class DeckWriter {
  public:
-  DeckWriter(const Circuit& circuit, const DeckSettings& settings, Diagnostics& diagnostics)
+  DeckWriter(const FlatCircuit& circuit, const DeckSettings& settings, Diagnostics& diagnostics)
       : circuit_(circuit),
         settings_(settings),
         diagnostics_(diagnostics),
@@ -166,7 +166,7 @@ class DeckWriter {
     return cards + (circuit_.analyses.transient ? transient_card(*circuit_.analyses.transient) : ".op\n");
   }
 
-  std::string transient_card(const circuit::Transient& transient) const {
+  std::string transient_card(const circuit::TransientAnalysis& transient) const {
     const double length = transient.stop.seconds - transient.start.seconds;
     const double step = transient.row_step();
     const double largest = settings_.largest_step == 0.0 ? std::min(step, length / steps_at_least) : settings_.largest_step;
@@ -174,7 +174,7 @@ class DeckWriter {
                        transient.use_initial_conditions ? " uic" : "");
   }
 
-  const Circuit& circuit_;
+  const FlatCircuit& circuit_;
   const DeckSettings& settings_;
   Diagnostics& diagnostics_;
   circuit::NameIndex index_;
@@ -185,7 +185,7 @@ class DeckWriter {
 
 }  // namespace
 
-std::optional<SmoothDeck> smooth_deck(const Circuit& circuit, const DeckSettings& settings, Diagnostics& diagnostics) {
+std::optional<SmoothDeck> smooth_deck(const FlatCircuit& circuit, const DeckSettings& settings, Diagnostics& diagnostics) {
   const std::size_t before = diagnostics.error_count();
   SmoothDeck deck = DeckWriter(circuit, settings, diagnostics).write();
   if (diagnostics.error_count() != before) return std::nullopt;

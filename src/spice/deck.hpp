@@ -54,7 +54,7 @@ struct SmoothDeck {
 };
 
 /// `circuit` must have passed circuit::assemble. An element without an equivalent in ngspice is an error E-no-twin; then the result is empty.
-[[nodiscard]] std::optional<SmoothDeck> smooth_deck(const circuit::Circuit& circuit, const DeckSettings& settings,
+[[nodiscard]] std::optional<SmoothDeck> smooth_deck(const circuit::FlatCircuit& circuit, const DeckSettings& settings,
                                                     Diagnostics& diagnostics);
 
 }  // namespace pwlsim::spice

@@ -36,7 +36,7 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
 
 class Refinement {
  public:
-  Refinement(const circuit::Circuit& circuit, const std::string& program, const StudySettings& settings, Diagnostics& diagnostics)
+  Refinement(const circuit::FlatCircuit& circuit, const std::string& program, const StudySettings& settings, Diagnostics& diagnostics)
       : circuit_(circuit), program_(program), settings_(settings), diagnostics_(diagnostics), start_(Clock::now()) {}
 
   Study run() {
@@ -62,7 +62,7 @@ class Refinement {
     if (smoothing) {
       deck.sharpness = std::clamp(settings_.sharpness / std::pow(sharpness_ratio, k), least_sharpness, largest_sharpness);
     } else {
-      const circuit::Transient& transient = *circuit_.analyses.transient;
+      const circuit::TransientAnalysis& transient = *circuit_.analyses.transient;
       deck.sharpness = settings_.sharpness;
       deck.largest_step = (transient.stop.seconds - transient.start.seconds) / (first_steps * std::pow(step_ratio, k));
       deck.reltol = first_reltol / std::pow(tolerance_ratio, k);
@@ -215,7 +215,7 @@ class Refinement {
     }
   }
 
-  const circuit::Circuit& circuit_;
+  const circuit::FlatCircuit& circuit_;
   const std::string& program_;
   const StudySettings& settings_;
   Diagnostics& diagnostics_;
@@ -228,7 +228,7 @@ class Refinement {
 
 }  // namespace
 
-Study refine(const circuit::Circuit& circuit, const std::string& program, const StudySettings& settings, Diagnostics& diagnostics) {
+Study refine(const circuit::FlatCircuit& circuit, const std::string& program, const StudySettings& settings, Diagnostics& diagnostics) {
   return Refinement(circuit, program, settings, diagnostics).run();
 }
 

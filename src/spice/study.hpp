@@ -55,7 +55,7 @@ struct Study {
 };
 
 /// `circuit` must have passed circuit::assemble and have a `.tran`. Elements without a twin are reported in `diagnostics`.
-[[nodiscard]] Study refine(const circuit::Circuit& circuit, const std::string& program, const StudySettings& settings,
+[[nodiscard]] Study refine(const circuit::FlatCircuit& circuit, const std::string& program, const StudySettings& settings,
                            Diagnostics& diagnostics);
 
 /// Σ sign·vector at `time`, by straight lines between ngspice's points.

@@ -53,7 +53,7 @@ Vector initial_values(const engine::IslandModel& island, const ParameterInputs& 
 /// One island at rest.
 class Rest {
  public:
-  Rest(const engine::IslandModel& island, std::size_t number, const LinearisedOrbit& orbit, const engine::Start& start,
+  Rest(const engine::IslandModel& island, std::size_t number, const LinearisedOrbit& orbit, const engine::RunStart& start,
        const ParameterInputs& parameter)
       : island_(island), system_(island.extraction.system), number_(number), orbit_(orbit), on_(start.on), parameter_(parameter) {}
 
@@ -190,7 +190,7 @@ StartDerivative of_initial_values(const engine::ExactModel& model, const Stackin
   return result;
 }
 
-StartDerivative of_operating_point(const engine::ExactModel& model, const LinearisedOrbit& orbit, const engine::Start& start,
+StartDerivative of_operating_point(const engine::ExactModel& model, const LinearisedOrbit& orbit, const engine::RunStart& start,
                                    const ParameterInputs& parameter) {
   const Stacking& stacking = orbit.stacking();
   StartDerivative result{Vector::Zero(stacking.size()), ""};

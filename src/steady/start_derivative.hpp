@@ -19,7 +19,7 @@ struct StartDerivative {
 [[nodiscard]] StartDerivative of_initial_values(const engine::ExactModel& model, const Stacking& stacking,
                                                 const ParameterInputs& parameter);
 /// For an operating point that was found.
-[[nodiscard]] StartDerivative of_operating_point(const engine::ExactModel& model, const LinearisedOrbit& orbit, const engine::Start& start,
-                                                 const ParameterInputs& parameter);
+[[nodiscard]] StartDerivative of_operating_point(const engine::ExactModel& model, const LinearisedOrbit& orbit,
+                                                 const engine::RunStart& start, const ParameterInputs& parameter);
 
 }  // namespace pwlsim::steady

@@ -7,7 +7,7 @@
 using namespace pwlsim;
 
 TEST_CASE("an engine that is prepared when it is needed names what the circuit lacks", "[unit]") {
-  test::Circuit c;
+  test::TestCircuit c;
   c.v("a", "0", model::Dc{1.0});
   c.r("a", "0", 1.0);
   c.v("a", "0", model::Dc{2.0});

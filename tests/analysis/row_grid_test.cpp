@@ -13,7 +13,7 @@ circuit::TimeValue written(const std::string& decimal) { return {std::strtod(dec
 circuit::TimeValue computed(double seconds) { return {seconds, ""}; }
 
 std::vector<double> times(const circuit::TimeValue& step, const circuit::TimeValue& stop, const circuit::TimeValue& start = written("0")) {
-  circuit::Transient transient;
+  circuit::TransientAnalysis transient;
   transient.step = step;
   transient.stop = stop;
   transient.start = start;
@@ -67,7 +67,7 @@ TEST_CASE("a step that an expression gave is rounded and does not double the las
 
 TEST_CASE("every row time is the one nearest to the decimal value", "[property]") {
   // strtod of the decimal text rounds correctly (C11 7.22.1.3 with IEEE arithmetic); k * 0.0001 is written exactly by shifting digits.
-  circuit::Transient transient;
+  circuit::TransientAnalysis transient;
   transient.step = written("1e-4");
   transient.stop = written("10");
   transient.start = written("0");
@@ -81,7 +81,7 @@ TEST_CASE("every row time is the one nearest to the decimal value", "[property]"
 }
 
 TEST_CASE("a thousand million rows are counted without being made", "[unit]") {
-  circuit::Transient transient;
+  circuit::TransientAnalysis transient;
   transient.step = written("1e-9");
   transient.stop = written("1");
   const engine::RowGrid grid = analysis::row_grid(transient);

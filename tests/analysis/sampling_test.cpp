@@ -8,7 +8,7 @@ using Numbers = std::vector<double>;
 namespace {
 
 circuit::Analyses analyses() {
-  circuit::Transient transient;
+  circuit::TransientAnalysis transient;
   transient.step = {0.5, "0.5"};
   transient.stop = {1.0, "1"};
   circuit::Analyses result;

@@ -21,7 +21,7 @@ namespace {
 circuit::Compiled ramp() {
   circuit::Compiled compiled;
   compiled.network.signals.push_back({"v(a,b)", {}});
-  circuit::Transient transient;
+  circuit::TransientAnalysis transient;
   transient.step = {0.1, "0.1"};
   transient.stop = {0.5, "0.5"};
   compiled.analyses.transient = transient;

@@ -135,7 +135,7 @@ TEST_CASE("what is missing hides whether something floats", "[unit]") {
 }
 
 TEST_CASE("a circuit can be built without a deck", "[unit]") {
-  circuit::Circuit circuit;
+  circuit::FlatCircuit circuit;
   circuit.add("V1", {"in", "0"}).waveform = model::Dc{10.0};
   circuit.add("R1", {"in", "out"}).values.set("R", 1e3);
   const int ideal = circuit.add_model("D", "DI");

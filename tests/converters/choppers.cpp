@@ -15,7 +15,7 @@ struct Stage {
   double volts, ohms, henry, farad, duty;
 };
 
-Stage draw_stage(Draw& draw, Builder& builder) {
+Stage draw_stage(Draw& draw, ConverterBuilder& builder) {
   Stage stage{};
   stage.parts = add_models(draw, builder);
   stage.clock = draw_clock(draw, 5e3, 5e5);
@@ -28,7 +28,7 @@ Stage draw_stage(Draw& draw, Builder& builder) {
 }
 
 /// The supply, behind an input filter at times.
-std::string supply(Draw& draw, Builder& builder, const Stage& stage) {
+std::string supply(Draw& draw, ConverterBuilder& builder, const Stage& stage) {
   builder.source("in", "0", constant(stage.volts));
   if (!draw.chance(0.3)) return "in";
   builder.inductor("in", "fi", Draw::rounded(stage.henry * draw.logarithmic(0.05, 0.5)));
@@ -38,7 +38,7 @@ std::string supply(Draw& draw, Builder& builder, const Stage& stage) {
 }
 
 /// A resistor and a capacitor in series across a part, at times.
-void snubber(Draw& draw, Builder& builder, const std::string& plus, const std::string& minus, const Stage& stage) {
+void snubber(Draw& draw, ConverterBuilder& builder, const std::string& plus, const std::string& minus, const Stage& stage) {
   if (!draw.chance(0.25)) return;
   const std::string middle = "sn" + plus;
   const double ohms = draw.logarithmic(2.0, 100.0);
@@ -46,7 +46,7 @@ void snubber(Draw& draw, Builder& builder, const std::string& plus, const std::s
   builder.capacitor(middle, minus, Draw::rounded(stage.clock.period / ohms * draw.logarithmic(1e-4, 1e-2)));
 }
 
-void output(Draw& draw, Builder& builder, const std::string& plus, const std::string& minus, const Stage& stage) {
+void output(Draw& draw, ConverterBuilder& builder, const std::string& plus, const std::string& minus, const Stage& stage) {
   if (draw.chance(0.3)) {  // a capacitor with series resistance
     builder.resistor(plus, "esr", Draw::rounded(stage.ohms * draw.logarithmic(1e-4, 1e-2)));
     builder.capacitor("esr", minus, stage.farad);
@@ -56,10 +56,10 @@ void output(Draw& draw, Builder& builder, const std::string& plus, const std::st
   builder.resistor(plus, minus, stage.ohms);
 }
 
-void finish(Draw& draw, Builder& builder, const Stage& stage) { set_times(draw, builder, stage.clock.period, periods, rows); }
+void finish(Draw& draw, ConverterBuilder& builder, const Stage& stage) { set_times(draw, builder, stage.clock.period, periods, rows); }
 
 /// Behind the switches of a buck.
-void filter(Draw& draw, Builder& builder, const Stage& stage) {
+void filter(Draw& draw, ConverterBuilder& builder, const Stage& stage) {
   snubber(draw, builder, "sw", "0", stage);
   builder.inductor("sw", "out", stage.henry);
   output(draw, builder, "out", "0", stage);
@@ -68,7 +68,7 @@ void filter(Draw& draw, Builder& builder, const Stage& stage) {
 
 }  // namespace
 
-void buck(Draw& draw, Builder& builder) {
+void buck(Draw& draw, ConverterBuilder& builder) {
   const Stage stage = draw_stage(draw, builder);
   const std::string in = supply(draw, builder, stage);
   builder.contact(in, "sw", add_gate(builder, stage.clock, 0.02, 0.02 + stage.duty), stage.parts.contact);
@@ -76,7 +76,7 @@ void buck(Draw& draw, Builder& builder) {
   filter(draw, builder, stage);
 }
 
-void sync_buck(Draw& draw, Builder& builder) {
+void sync_buck(Draw& draw, ConverterBuilder& builder) {
   const Stage stage = draw_stage(draw, builder);
   const std::string in = supply(draw, builder, stage);
   const double dead = stage.clock.dead / stage.clock.period;
@@ -94,7 +94,7 @@ void sync_buck(Draw& draw, Builder& builder) {
   filter(draw, builder, stage);
 }
 
-void boost(Draw& draw, Builder& builder) {
+void boost(Draw& draw, ConverterBuilder& builder) {
   const Stage stage = draw_stage(draw, builder);
   const std::string in = supply(draw, builder, stage);
   builder.inductor(in, "sw", stage.henry);
@@ -105,7 +105,7 @@ void boost(Draw& draw, Builder& builder) {
   finish(draw, builder, stage);
 }
 
-void buck_boost(Draw& draw, Builder& builder) {
+void buck_boost(Draw& draw, ConverterBuilder& builder) {
   const Stage stage = draw_stage(draw, builder);
   const std::string in = supply(draw, builder, stage);
   if (draw.chance(0.5)) {
@@ -132,13 +132,13 @@ double coupling_capacitance(Draw& draw, const Stage& stage) {
 }
 
 /// Two inductors, coupled at times.
-void couple(Draw& draw, Builder& builder, const std::string& one, const std::string& other) {
+void couple(Draw& draw, ConverterBuilder& builder, const std::string& one, const std::string& other) {
   if (draw.chance(0.3)) builder.couple({one, other}, draw.pick({0.5, 0.9, 0.97, 0.99}));
 }
 
 }  // namespace
 
-void cuk(Draw& draw, Builder& builder) {
+void cuk(Draw& draw, ConverterBuilder& builder) {
   const Stage stage = draw_stage(draw, builder);
   const std::string in = supply(draw, builder, stage);
   const std::string first = builder.inductor(in, "a", stage.henry);
@@ -151,7 +151,7 @@ void cuk(Draw& draw, Builder& builder) {
   finish(draw, builder, stage);
 }
 
-void sepic(Draw& draw, Builder& builder) {
+void sepic(Draw& draw, ConverterBuilder& builder) {
   const Stage stage = draw_stage(draw, builder);
   const std::string in = supply(draw, builder, stage);
   const std::string first = builder.inductor(in, "a", stage.henry);
@@ -164,7 +164,7 @@ void sepic(Draw& draw, Builder& builder) {
   finish(draw, builder, stage);
 }
 
-void zeta(Draw& draw, Builder& builder) {
+void zeta(Draw& draw, ConverterBuilder& builder) {
   const Stage stage = draw_stage(draw, builder);
   const std::string in = supply(draw, builder, stage);
   builder.contact(in, "a", add_gate(builder, stage.clock, 0.02, 0.02 + stage.duty), stage.parts.contact);
@@ -177,7 +177,7 @@ void zeta(Draw& draw, Builder& builder) {
   finish(draw, builder, stage);
 }
 
-void interleaved(Draw& draw, Builder& builder) {
+void interleaved(Draw& draw, ConverterBuilder& builder) {
   Stage stage = draw_stage(draw, builder);
   const std::string in = supply(draw, builder, stage);
   const int phases = draw.integer(2, 4);
@@ -203,7 +203,7 @@ void interleaved(Draw& draw, Builder& builder) {
 }
 
 /// Dickson's, or a doubler of four contacts.
-void charge_pump(Draw& draw, Builder& builder) {
+void charge_pump(Draw& draw, ConverterBuilder& builder) {
   Stage stage = draw_stage(draw, builder);
   for (Contact& model : builder.converter.models)
     if (model.on == 0.0) model.on = 0.02;

@@ -56,12 +56,12 @@ Converter make_converter(std::uint64_t seed, const std::string& name) {
         if (name == one.name) family = &one;
     if (family == nullptr) return {};
   }
-  Builder builder(family->name);
+  ConverterBuilder builder(family->name);
   family->build(draw, builder);
   return std::move(builder.converter);
 }
 
-Parts add_models(Draw& draw, Builder& builder, double least_off) {
+Parts add_models(Draw& draw, ConverterBuilder& builder, double least_off) {
   const double on = draw.chance(0.15) ? 0.0 : draw.logarithmic(1e-3, 0.1);
   const auto off = [&] {
     if (draw.chance(0.2)) return infinity;
@@ -73,7 +73,7 @@ Parts add_models(Draw& draw, Builder& builder, double least_off) {
   return {};
 }
 
-void set_times(Draw& draw, Builder& builder, double period, double periods, int rows) {
+void set_times(Draw& draw, ConverterBuilder& builder, double period, double periods, int rows) {
   builder.converter.fast = period;
   // An odd fraction, so that no row lies on an edge of a gate.
   builder.converter.row_step = Draw::rounded(period * periods / rows * (0.97 + 0.0271828 * draw.unit()), 5);
@@ -90,19 +90,19 @@ Clock draw_clock(Draw& draw, double least_frequency, double most_frequency) {
   return clock;
 }
 
-std::size_t add_gate(Builder& builder, const Clock& clock, double from, double to) {
+std::size_t add_gate(ConverterBuilder& builder, const Clock& clock, double from, double to) {
   const double delay = Draw::rounded(clock.offset + clock.period * from, 5);
   const double width = Draw::rounded(std::max(0.0, clock.period * (to - from) - clock.ramp), 5);
   return builder.gate(pulse(delay, clock.ramp, clock.ramp, width, clock.period));
 }
 
-std::size_t add_inverse(Builder& builder, std::size_t gate) {
+std::size_t add_inverse(ConverterBuilder& builder, std::size_t gate) {
   Wave wave = builder.converter.gates[gate];
   std::swap(wave.offset, wave.high);
   return builder.gate(wave);
 }
 
-void transistor(Builder& builder, const std::string& plus, const std::string& minus, std::size_t gate, const Parts& parts) {
+void transistor(ConverterBuilder& builder, const std::string& plus, const std::string& minus, std::size_t gate, const Parts& parts) {
   builder.contact(plus, minus, gate, parts.contact);
   builder.diode(minus, plus, parts.diode);
 }

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double patience = 10.0;
 
-Builder start(const char* name, Contact diode, double period, double stop) {
-  Builder builder(name);
+ConverterBuilder start(const char* name, Contact diode, double period, double stop) {
+  ConverterBuilder builder(name);
   builder.converter.models = {diode, {1e-3, 1e9, 0.0}};
   builder.converter.fast = period;
   builder.converter.row_step = stop / 37;
@@ -41,7 +41,7 @@ double compare(const Converter& converter, const std::function<std::vector<doubl
 double resonant_charge() {
   constexpr double volts = 10.0, henry = 1e-5, farad = 1e-6;
   const double omega = 1.0 / std::sqrt(henry * farad), end = std::numbers::pi / omega;
-  Builder builder = start("resonant charge through an ideal diode", {}, end, 3.0 * end);
+  ConverterBuilder builder = start("resonant charge through an ideal diode", {}, end, 3.0 * end);
   builder.source("a", "0", constant(volts));
   builder.diode("a", "b");
   builder.inductor("b", "c", henry);
@@ -55,7 +55,7 @@ double resonant_charge() {
 /// R, L and a diode in series at a PULSE: exponentials through Ron until the current is zero, then what leaks through Roff.
 double blocked_inductor() {
   constexpr double volts = 5.0, ohms = 2.0, henry = 1e-3, off = 1e9, high = 1e-3;
-  Builder builder = start("inductor behind Roff", {0.1, off, 0.0}, 1e-3, 3e-3);
+  ConverterBuilder builder = start("inductor behind Roff", {0.1, off, 0.0}, 1e-3, 3e-3);
   Wave wave = pulse(0.0, 0.0, 0.0, high, 1.0);
   wave.offset = -volts;
   wave.high = volts;
@@ -78,7 +78,7 @@ double sinusoid() {
   constexpr double volts = 325.0, ohms = 3.0, henry = 0.02, frequency = 50.0, phase = 40.0;
   const double omega = 2.0 * std::numbers::pi * frequency, size = volts / std::hypot(ohms, omega * henry);
   const double angle = phase / 180.0 * std::numbers::pi - std::atan2(omega * henry, ohms);
-  Builder builder = start("R and L at a sinusoid", {}, 1.0 / frequency, 0.1);
+  ConverterBuilder builder = start("R and L at a sinusoid", {}, 1.0 / frequency, 0.1);
   builder.source("a", "0", sine(volts, frequency, phase));
   builder.resistor("a", "b", ohms);
   builder.inductor("b", "0", henry);
@@ -90,7 +90,7 @@ double sinusoid() {
 /// A perfect transformer with a resistor: the flux decays with R times the turns squared.
 double transformer() {
   constexpr double volts = 12.0, henry = 1e-3, ratio = 0.5, ohms = 7.0, source_ohms = 1.0;
-  Builder builder = start("perfect transformer", {}, 1e-3, 2e-3);
+  ConverterBuilder builder = start("perfect transformer", {}, 1e-3, 2e-3);
   builder.source("a", "0", constant(volts));
   builder.resistor("a", "b", source_ohms);
   builder.couple({builder.inductor("b", "0", henry), builder.inductor("s", "0", henry * ratio * ratio)}, 1.0);
@@ -106,7 +106,7 @@ double transformer() {
 double fired_rectifier(double alpha) {
   constexpr double volts = 100.0, ohms = 2.0, frequency = 50.0, pi = std::numbers::pi;
   const double omega = 2.0 * pi * frequency, period = 1.0 / frequency;
-  Builder builder = start("thyristor with R and L", {}, period, 2.9 * period);
+  ConverterBuilder builder = start("thyristor with R and L", {}, period, 2.9 * period);
   builder.source("a", "0", sine(volts, frequency, 0.0));
   builder.thyristor("a", "b", builder.gate(pulse(alpha / omega, 0.0, 0.0, 0.003 * period, period)));
   builder.inductor("b", "c", ohms / omega);

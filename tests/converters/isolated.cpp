@@ -17,7 +17,7 @@ struct Stage {
 };
 
 /// `ratio`: secondary turns by primary turns; `factor`: coupling.
-Stage draw_stage(Draw& draw, Builder& builder) {
+Stage draw_stage(Draw& draw, ConverterBuilder& builder) {
   Stage stage{};
   stage.parts = add_models(draw, builder);
   stage.clock = draw_clock(draw, 2e4, 3e5);
@@ -34,24 +34,24 @@ Stage draw_stage(Draw& draw, Builder& builder) {
 
 double secondary(const Stage& stage) { return Draw::rounded(stage.magnetizing * stage.ratio * stage.ratio, 6); }
 
-void output(Builder& builder, const std::string& plus, const Stage& stage) {
+void output(ConverterBuilder& builder, const std::string& plus, const Stage& stage) {
   builder.capacitor(plus, "0", stage.farad);
   builder.resistor(plus, "0", stage.ohms);
 }
 
 /// Resistor and capacitor that take the energy of the leakage inductance.
-void snubber(Draw& draw, Builder& builder, const std::string& plus, const std::string& minus, const Stage& stage) {
+void snubber(Draw& draw, ConverterBuilder& builder, const std::string& plus, const std::string& minus, const Stage& stage) {
   const std::string middle = "sn" + plus;
   const double ohms = Draw::rounded(stage.ohms / (stage.ratio * stage.ratio) * draw.logarithmic(0.1, 3.0));
   builder.resistor(plus, middle, ohms);
   builder.capacitor(middle, minus, Draw::rounded(stage.clock.period / ohms * draw.logarithmic(1e-3, 3e-2)));
 }
 
-void finish(Draw& draw, Builder& builder, const Stage& stage) { set_times(draw, builder, stage.clock.period, periods, rows); }
+void finish(Draw& draw, ConverterBuilder& builder, const Stage& stage) { set_times(draw, builder, stage.clock.period, periods, rows); }
 
 /// Two transistors in a leg that conduct half of a period each, but for the dead time, if there is one.
-void leg(Draw& draw, Builder& builder, const Stage& stage, const std::string& plus, const std::string& middle, const std::string& minus,
-         double shift) {
+void leg(Draw& draw, ConverterBuilder& builder, const Stage& stage, const std::string& plus, const std::string& middle,
+         const std::string& minus, double shift) {
   const double dead = stage.clock.dead / stage.clock.period;
   const std::size_t high = add_gate(builder, stage.clock, shift + dead, shift + 0.5);
   const std::size_t low = draw.chance(0.15) ? add_inverse(builder, high) : add_gate(builder, stage.clock, shift + 0.5 + dead, shift + 1.0);
@@ -59,7 +59,7 @@ void leg(Draw& draw, Builder& builder, const Stage& stage, const std::string& pl
   transistor(builder, middle, minus, low, stage.parts);
 }
 
-void diode_bridge(Builder& builder, const std::string& a, const std::string& b, const std::string& plus) {
+void diode_bridge(ConverterBuilder& builder, const std::string& a, const std::string& b, const std::string& plus) {
   builder.diode(a, plus);
   builder.diode("0", a);
   builder.diode(b, plus);
@@ -67,7 +67,7 @@ void diode_bridge(Builder& builder, const std::string& a, const std::string& b, 
 }
 
 /// Both halves of a secondary with its middle at ground, each with a diode.
-void centre_tap(Builder& builder, const Stage& stage, std::vector<std::string> windings, const std::string& plus) {
+void centre_tap(ConverterBuilder& builder, const Stage& stage, std::vector<std::string> windings, const std::string& plus) {
   windings.push_back(builder.inductor("sa", "0", secondary(stage)));
   windings.push_back(builder.inductor("0", "sb", secondary(stage)));
   builder.couple(windings, stage.factor);
@@ -76,7 +76,7 @@ void centre_tap(Builder& builder, const Stage& stage, std::vector<std::string> w
 }
 
 /// Behind the rectifier of a converter with an inductor.
-void filter(Draw& draw, Builder& builder, const Stage& stage) {
+void filter(Draw& draw, ConverterBuilder& builder, const Stage& stage) {
   builder.inductor("f", "out", Draw::rounded(stage.ohms * stage.clock.period * draw.logarithmic(0.2, 5.0)));
   output(builder, "out", stage);
   finish(draw, builder, stage);
@@ -84,7 +84,7 @@ void filter(Draw& draw, Builder& builder, const Stage& stage) {
 
 }  // namespace
 
-void flyback(Draw& draw, Builder& builder) {
+void flyback(Draw& draw, ConverterBuilder& builder) {
   Stage stage = draw_stage(draw, builder);
   const bool perfect = draw.chance(0.3);
   if (perfect) stage.factor = 1.0;
@@ -98,7 +98,7 @@ void flyback(Draw& draw, Builder& builder) {
   finish(draw, builder, stage);
 }
 
-void forward(Draw& draw, Builder& builder) {
+void forward(Draw& draw, ConverterBuilder& builder) {
   const Stage stage = draw_stage(draw, builder);
   const std::size_t gate = add_gate(builder, stage.clock, 0.02, 0.02 + stage.duty);
   builder.contact("in", "pa", gate, stage.parts.contact);  // two transistors, two diodes that reset the core
@@ -113,7 +113,7 @@ void forward(Draw& draw, Builder& builder) {
   filter(draw, builder, stage);
 }
 
-void push_pull(Draw& draw, Builder& builder) {
+void push_pull(Draw& draw, ConverterBuilder& builder) {
   const Stage stage = draw_stage(draw, builder);
   std::vector<std::string> windings{builder.inductor("in", "a", stage.magnetizing), builder.inductor("b", "in", stage.magnetizing)};
   transistor(builder, "a", "0", add_gate(builder, stage.clock, 0.02, 0.02 + stage.duty), stage.parts);
@@ -124,7 +124,7 @@ void push_pull(Draw& draw, Builder& builder) {
   filter(draw, builder, stage);
 }
 
-void half_bridge(Draw& draw, Builder& builder) {
+void half_bridge(Draw& draw, ConverterBuilder& builder) {
   const Stage stage = draw_stage(draw, builder);
   leg(draw, builder, stage, "in", "sw", "0", 0.0);
   const double half = Draw::rounded(stage.farad * stage.ratio * stage.ratio * draw.logarithmic(1.0, 10.0));
@@ -136,7 +136,7 @@ void half_bridge(Draw& draw, Builder& builder) {
   filter(draw, builder, stage);
 }
 
-void full_bridge(Draw& draw, Builder& builder) {
+void full_bridge(Draw& draw, ConverterBuilder& builder) {
   const Stage stage = draw_stage(draw, builder);
   leg(draw, builder, stage, "in", "a", "0", 0.0);
   leg(draw, builder, stage, "in", "b", "0", draw.uniform(0.1, 0.5));
@@ -150,7 +150,7 @@ void full_bridge(Draw& draw, Builder& builder) {
   filter(draw, builder, stage);
 }
 
-void llc(Draw& draw, Builder& builder) {
+void llc(Draw& draw, ConverterBuilder& builder) {
   const Stage stage = draw_stage(draw, builder);
   leg(draw, builder, stage, "in", "sw", "0", 0.0);
   // The resonance of the series inductor and capacitor lies near the clock's frequency.
@@ -169,7 +169,7 @@ void llc(Draw& draw, Builder& builder) {
   finish(draw, builder, stage);
 }
 
-void dual_active_bridge(Draw& draw, Builder& builder) {
+void dual_active_bridge(Draw& draw, ConverterBuilder& builder) {
   const Stage stage = draw_stage(draw, builder);
   leg(draw, builder, stage, "in", "a", "0", 0.0);
   leg(draw, builder, stage, "in", "b", "0", 0.5);
@@ -183,7 +183,7 @@ void dual_active_bridge(Draw& draw, Builder& builder) {
   finish(draw, builder, stage);
 }
 
-void class_e(Draw& draw, Builder& builder) {
+void class_e(Draw& draw, ConverterBuilder& builder) {
   const Stage stage = draw_stage(draw, builder);
   const double load = draw.logarithmic(2.0, 60.0), angle = stage.clock.period / (2 * 3.141592653589793);
   builder.inductor("in", "d", Draw::rounded(load * stage.clock.period * draw.uniform(3.0, 20.0)));
@@ -201,7 +201,7 @@ void class_e(Draw& draw, Builder& builder) {
 }
 
 /// One leg of three levels with a neutral-point clamp.
-void npc(Draw& draw, Builder& builder) {
+void npc(Draw& draw, ConverterBuilder& builder) {
   const Stage stage = draw_stage(draw, builder);
   const double dead = stage.clock.dead / stage.clock.period, duty = stage.duty;
   builder.resistor("in", "top", draw.logarithmic(1e-2, 0.2));

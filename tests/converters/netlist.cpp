@@ -136,7 +136,7 @@ std::string Converter::text() const {
   return result + "\n.end\n";
 }
 
-Branch& Builder::add(Branch::Kind kind, const std::string& letter, const std::string& plus, const std::string& minus) {
+Branch& ConverterBuilder::add(Branch::Kind kind, const std::string& letter, const std::string& plus, const std::string& minus) {
   const auto of_kind = std::ranges::count_if(converter.branches, [&](const Branch& other) { return other.kind == kind; });
   Branch& branch = converter.branches.emplace_back();
   branch.kind = kind;
@@ -146,33 +146,34 @@ Branch& Builder::add(Branch::Kind kind, const std::string& letter, const std::st
   return branch;
 }
 
-std::string Builder::inductor(const std::string& plus, const std::string& minus, double value, double initial) {
+std::string ConverterBuilder::inductor(const std::string& plus, const std::string& minus, double value, double initial) {
   Branch& branch = add(Kind::inductor, "L", plus, minus);
   branch.value = value;
   branch.initial = initial;
   return branch.name;
 }
 
-void Builder::capacitor(const std::string& plus, const std::string& minus, double value, double initial) {
+void ConverterBuilder::capacitor(const std::string& plus, const std::string& minus, double value, double initial) {
   Branch& branch = add(Kind::capacitor, "C", plus, minus);
   branch.value = value;
   branch.initial = initial;
 }
 
-void Builder::thyristor(const std::string& anode, const std::string& cathode, std::size_t gate, double holding, std::size_t model) {
+void ConverterBuilder::thyristor(const std::string& anode, const std::string& cathode, std::size_t gate, double holding,
+                                 std::size_t model) {
   Branch& branch = add(Branch::Kind::thyristor, "T", anode, cathode);
   branch.gate = gate;
   branch.holding = holding;
   branch.model = model;
 }
 
-void Builder::contact(const std::string& plus, const std::string& minus, std::size_t gate, std::size_t model) {
+void ConverterBuilder::contact(const std::string& plus, const std::string& minus, std::size_t gate, std::size_t model) {
   Branch& branch = add(Kind::contact, "S", plus, minus);
   branch.gate = gate;
   branch.model = model;
 }
 
-std::size_t Builder::gate(const Wave& wave) {
+std::size_t ConverterBuilder::gate(const Wave& wave) {
   converter.gates.push_back(wave);
   return converter.gates.size() - 1;
 }

@@ -71,9 +71,9 @@ struct Converter {
 };
 
 /// Cards of a converter one after the other.
-class Builder {
+class ConverterBuilder {
  public:
-  explicit Builder(std::string family) { converter.family = std::move(family); }
+  explicit ConverterBuilder(std::string family) { converter.family = std::move(family); }
 
   void resistor(const std::string& plus, const std::string& minus, double value) {
     add(Branch::Kind::resistor, "R", plus, minus).value = value;

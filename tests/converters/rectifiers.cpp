@@ -15,7 +15,7 @@ Mains draw_mains(Draw& draw) {
 }
 
 /// Smoothing inductor, capacitor and load between two rails.
-void load(Draw& draw, Builder& builder, const std::string& plus, const std::string& minus, bool choke) {
+void load(Draw& draw, ConverterBuilder& builder, const std::string& plus, const std::string& minus, bool choke) {
   std::string out = plus;
   if (choke) {
     out = "out";
@@ -26,7 +26,7 @@ void load(Draw& draw, Builder& builder, const std::string& plus, const std::stri
 }
 
 /// Phases in a star, through line inductors or resistors to nodes `prefix`0, `prefix`1, …
-void star(Draw& draw, Builder& builder, const Mains& mains, int phases, const std::string& prefix, const std::string& neutral,
+void star(Draw& draw, ConverterBuilder& builder, const Mains& mains, int phases, const std::string& prefix, const std::string& neutral,
           double shift) {
   const double value = mains.line > 0.0 ? mains.line : draw.logarithmic(1e-3, 0.5);
   for (int i = 0; i < phases; ++i) {
@@ -40,7 +40,7 @@ void star(Draw& draw, Builder& builder, const Mains& mains, int phases, const st
   }
 }
 
-void bridge(Builder& builder, int legs, const std::string& prefix, const std::string& plus, const std::string& minus) {
+void bridge(ConverterBuilder& builder, int legs, const std::string& prefix, const std::string& plus, const std::string& minus) {
   for (int i = 0; i < legs; ++i) {
     const std::string line = fmt::format("{}{}", prefix, i);
     builder.diode(line, plus);
@@ -49,7 +49,7 @@ void bridge(Builder& builder, int legs, const std::string& prefix, const std::st
 }
 
 /// A bridge of the issue: the neutral is held by Roff alone.
-void polyphase(Draw& draw, Builder& builder, int phases) {
+void polyphase(Draw& draw, ConverterBuilder& builder, int phases) {
   const Mains mains = draw_mains(draw);
   (void)add_models(draw, builder);
   star(draw, builder, mains, phases, "p", "nn", draw.chance(0.5) ? 0.0 : draw.uniform(-180.0, 180.0));
@@ -60,7 +60,7 @@ void polyphase(Draw& draw, Builder& builder, int phases) {
 
 }  // namespace
 
-void single_phase(Draw& draw, Builder& builder) {
+void single_phase(Draw& draw, ConverterBuilder& builder) {
   const Mains mains = draw_mains(draw);
   (void)add_models(draw, builder);
   builder.source("s", "p1", sine(mains.amplitude, mains.frequency, draw.chance(0.5) ? 0.0 : draw.uniform(-90.0, 90.0)));
@@ -78,10 +78,10 @@ void single_phase(Draw& draw, Builder& builder) {
   set_times(draw, builder, 1.0 / mains.frequency, 5.0, 40);
 }
 
-void three_phase(Draw& draw, Builder& builder) { polyphase(draw, builder, 3); }
-void six_phase(Draw& draw, Builder& builder) { polyphase(draw, builder, 6); }
+void three_phase(Draw& draw, ConverterBuilder& builder) { polyphase(draw, builder, 3); }
+void six_phase(Draw& draw, ConverterBuilder& builder) { polyphase(draw, builder, 6); }
 
-void twelve_pulse(Draw& draw, Builder& builder) {
+void twelve_pulse(Draw& draw, ConverterBuilder& builder) {
   Mains mains = draw_mains(draw);
   mains.line = draw.logarithmic(2e-5, 2e-3);  // of the transformer: it commutates
   (void)add_models(draw, builder);
@@ -94,7 +94,7 @@ void twelve_pulse(Draw& draw, Builder& builder) {
   set_times(draw, builder, 1.0 / mains.frequency, 2.0, 40);
 }
 
-void vienna(Draw& draw, Builder& builder) {
+void vienna(Draw& draw, ConverterBuilder& builder) {
   Mains mains = draw_mains(draw);
   mains.line = draw.logarithmic(5e-5, 1e-3);
   mains.frequency = 400.0;
@@ -116,7 +116,7 @@ void vienna(Draw& draw, Builder& builder) {
 }
 
 /// Cockcroft and Walton.
-void multiplier(Draw& draw, Builder& builder) {
+void multiplier(Draw& draw, ConverterBuilder& builder) {
   const Parts parts = add_models(draw, builder);
   Contact& diode = builder.converter.models[parts.diode];
   if (diode.on == 0.0) diode.on = 0.01;

@@ -17,7 +17,7 @@ struct Supply {
   bool always_on = false;                       ///< gates on from rest: diodes
 };
 
-Supply draw_supply(Draw& draw, Builder& builder) {
+Supply draw_supply(Draw& draw, ConverterBuilder& builder) {
   Supply supply;
   supply.amplitude = draw.pick({17.0, 325.0, 170.0, 565.0});
   supply.period = draw.pick({0.02, 0.0025});
@@ -40,14 +40,14 @@ double time_of(const Supply& supply, double degrees) {
 }
 
 /// Of the thyristor whose diode would begin `begin` degrees behind the zero of the sine.
-std::size_t fire(Builder& builder, const Supply& supply, double begin) {
+std::size_t fire(ConverterBuilder& builder, const Supply& supply, double begin) {
   if (supply.always_on) return builder.gate(constant(1.0));
   const double rest = Draw::rounded(std::max(0.0, supply.width / 360.0 * supply.period - supply.ramp), 5);
   return builder.gate(pulse(time_of(supply, begin + supply.delay - supply.phase), supply.ramp, supply.ramp, rest, supply.period));
 }
 
 /// From `from` to `to` through what the line is.
-void line(Builder& builder, const Supply& supply, const std::string& from, const std::string& to) {
+void line(ConverterBuilder& builder, const Supply& supply, const std::string& from, const std::string& to) {
   if (supply.line > 0.0) {
     builder.inductor(from, to, supply.line);
   } else {
@@ -56,7 +56,7 @@ void line(Builder& builder, const Supply& supply, const std::string& from, const
 }
 
 /// What the other signals are compared with where no thyristor fires.
-void observe(Builder& builder, const Supply& supply, const std::string& plus, const std::string& minus) {
+void observe(ConverterBuilder& builder, const Supply& supply, const std::string& plus, const std::string& minus) {
   constexpr double ohms = 1e4;
   builder.resistor(plus, "m", ohms);
   builder.capacitor("m", minus, Draw::rounded(0.2 * supply.period / ohms));
@@ -65,7 +65,7 @@ void observe(Builder& builder, const Supply& supply, const std::string& plus, co
 double frequency(const Supply& supply) { return 1.0 / supply.period; }
 
 /// R (seen through R and C), R and L, R and L at a battery, or R beside C behind a choke; true: an inductor is in the way of the current.
-bool load(Draw& draw, Builder& builder, const Supply& supply, const std::string& plus, const std::string& minus) {
+bool load(Draw& draw, ConverterBuilder& builder, const Supply& supply, const std::string& plus, const std::string& minus) {
   const double ohms = draw.logarithmic(1.0, 100.0);
   const double seconds = supply.period * draw.logarithmic(0.02, 5.0);
   switch (draw.integer(0, 3)) {
@@ -96,10 +96,12 @@ double holding(Draw& draw, const Supply& supply, bool inductive) {
   return inductive || supply.line > 0.0 || draw.chance(0.4) ? 0.0 : draw.pick({1e-3, 0.02, 0.1});
 }
 
-void end(Draw& draw, Builder& builder, const Supply& supply) { set_times(draw, builder, supply.period, draw.pick({2.2, 3.3}), 40); }
+void end(Draw& draw, ConverterBuilder& builder, const Supply& supply) {
+  set_times(draw, builder, supply.period, draw.pick({2.2, 3.3}), 40);
+}
 
 /// Behind Roff = inf the integrator, which has a large number for it, would charge the capacitor where nothing else does.
-void snub(Draw& draw, Builder& builder, const std::string& plus, const std::string& minus, const std::string& inner) {
+void snub(Draw& draw, ConverterBuilder& builder, const std::string& plus, const std::string& minus, const std::string& inner) {
   Contact& model = builder.converter.models.front();
   model.off = std::min(model.off, 1e9);
   builder.resistor(plus, inner, draw.logarithmic(10.0, 200.0));
@@ -107,7 +109,7 @@ void snub(Draw& draw, Builder& builder, const std::string& plus, const std::stri
 }
 
 /// A source from `minus`, and its line to `phase`.
-Supply single_phase(Draw& draw, Builder& builder, const std::string& minus, const std::string& phase) {
+Supply single_phase(Draw& draw, ConverterBuilder& builder, const std::string& minus, const std::string& phase) {
   const Supply supply = draw_supply(draw, builder);
   builder.source("s", minus, sine(supply.amplitude, frequency(supply), supply.phase));
   observe(builder, supply, "s", minus);
@@ -117,7 +119,7 @@ Supply single_phase(Draw& draw, Builder& builder, const std::string& minus, cons
 
 }  // namespace
 
-void scr_half_wave(Draw& draw, Builder& builder) {
+void scr_half_wave(Draw& draw, ConverterBuilder& builder) {
   const Supply supply = single_phase(draw, builder, "0", "p");
   const bool inductive = load(draw, builder, supply, "dp", "0");
   builder.thyristor("p", "dp", fire(builder, supply, 0.0), holding(draw, supply, inductive));
@@ -127,7 +129,7 @@ void scr_half_wave(Draw& draw, Builder& builder) {
 }
 
 /// Four thyristors, or two and two diodes in one leg each or in each leg.
-void scr_bridge(Draw& draw, Builder& builder) {
+void scr_bridge(Draw& draw, ConverterBuilder& builder) {
   const Supply supply = single_phase(draw, builder, "b", "a");
   const bool inductive = load(draw, builder, supply, "dp", "0");
   const double least = holding(draw, supply, inductive);
@@ -154,7 +156,7 @@ void scr_bridge(Draw& draw, Builder& builder) {
 }
 
 /// Three phases: six thyristors with pulses of 70 degrees at least, or three and three diodes; or three that feed a load between them and the neutral.
-void scr_six_pulse(Draw& draw, Builder& builder) {
+void scr_six_pulse(Draw& draw, ConverterBuilder& builder) {
   Supply supply = draw_supply(draw, builder);
   if (supply.width < 70.0) supply.width = 70.0;
   const std::string neutral = draw.chance(0.7) ? "nn" : "0", minus = "0";
@@ -180,7 +182,7 @@ void scr_six_pulse(Draw& draw, Builder& builder) {
 }
 
 /// Two thyristors back to back, as in a triac, between a supply and an R-L load.
-void ac_controller(Draw& draw, Builder& builder) {
+void ac_controller(Draw& draw, ConverterBuilder& builder) {
   const Supply supply = single_phase(draw, builder, "0", "a");
   builder.thyristor("a", "o", fire(builder, supply, 0.0));
   builder.thyristor("o", "a", fire(builder, supply, 180.0));

@@ -16,7 +16,7 @@ struct Bench {
   std::vector<Instance> instances;
   std::vector<Model> models;
   std::vector<Emitted> emitted;
-  model::Builder builder;
+  model::NetworkBuilder builder;
   Diagnostics diagnostics;
 
   Bench() {

@@ -22,8 +22,8 @@ model::Pulse pulse(double delay, double rise, double width, double period) {
   return p;
 }
 
-Circuit loaded_source(const model::SourceFunction& function) {
-  Circuit c;
+TestCircuit loaded_source(const model::SourceFunction& function) {
+  TestCircuit c;
   c.v("a", "0", function);
   c.r("a", "b", 1.0);
   c.c("b", "0", 1.0);
@@ -59,7 +59,7 @@ TEST_CASE("events before the first output time have no rows, but count", "[unit]
 }
 
 TEST_CASE("jumps of two sources at one instant are one event", "[unit]") {
-  Circuit c = loaded_source(pulse(0.5, 0.0, 1.0, 2.0));
+  TestCircuit c = loaded_source(pulse(0.5, 0.0, 1.0, 2.0));
   c.v("d", "0", pulse(0.5, 0.0, 0.25, 2.0));
   c.r("d", "e", 1.0);
   c.c("e", "0", 1.0);
@@ -70,7 +70,7 @@ TEST_CASE("jumps of two sources at one instant are one event", "[unit]") {
 }
 
 TEST_CASE("rows around an event: before and after, on the grid once more than without", "[unit]") {
-  const Circuit c = loaded_source(pulse(0.5, 0.0, 10.0, model::forever));
+  const TestCircuit c = loaded_source(pulse(0.5, 0.0, 10.0, model::forever));
   const Run plain = simulate(c.network(), {1.0, 4, true, false});
   REQUIRE(plain.rows.size() == 5);
   CHECK(plain.at(1, 0) == 0.0);
@@ -86,7 +86,7 @@ TEST_CASE("rows around an event: before and after, on the grid once more than wi
 }
 
 TEST_CASE("the row at t = 0 stands in runs of any length", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("a", "0", model::Dc{1.0});
   c.r("a", "0", 1.0);
   c.save_v("a");
@@ -97,7 +97,7 @@ TEST_CASE("the row at t = 0 stands in runs of any length", "[unit]") {
 
 // |sin t| of an ideal bridge on a resistor: all four diodes change at π, 2π, 3π.
 TEST_CASE("diodes that change together are one event", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("p", "q", sine());
   c.d("p", "o");
   c.d("q", "o");
@@ -114,7 +114,7 @@ TEST_CASE("diodes that change together are one event", "[unit]") {
 }
 
 TEST_CASE("a diode beside a closed switch makes no events of its own", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("g", "0", model::Dc{1.0});
   c.v("s", "0", sine());
   c.r("s", "a", 1.0);
@@ -128,7 +128,7 @@ TEST_CASE("a diode beside a closed switch makes no events of its own", "[unit]")
 
 // Half waves of sin t charge 1 F to 1 V at π/2; then nothing discharges it and nothing happens any more.
 TEST_CASE("a peak detector without load has one event", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("s", "0", sine());
   c.d("s", "a");
   c.c("a", "0", 1.0);
@@ -141,7 +141,7 @@ TEST_CASE("a peak detector without load has one event", "[unit]") {
 }
 
 TEST_CASE("jumps of the state are counted apart", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("s", "0", pulse(0.5, 0.0, 1.0, 2.0));
   c.c("s", "m", 1.0);
   c.c("m", "0", 3.0);
@@ -156,7 +156,7 @@ TEST_CASE("jumps of the state are counted apart", "[unit]") {
 // Rounding of event times, always the same way in a steady state, must not add up: 4,000 events later the source is where its formula has it.
 TEST_CASE("a sinusoid keeps its phase over thousands of events", "[unit]") {
   constexpr double frequency = 50.0, amplitude = 325.0, rounding = 1e-14;
-  Circuit c;
+  TestCircuit c;
   c.v("in", "0", sine(amplitude, frequency));
   c.d("in", "out");
   c.r("out", "0", 10.0);
@@ -178,7 +178,7 @@ TEST_CASE("a sinusoid keeps its phase over thousands of events", "[unit]") {
 // mode when they have died out.
 TEST_CASE("events of a slow source behind critically damped parts a thousand times faster", "[unit]") {
   const double omega = 2.0 * pi * 50.0, omega0 = 1e6;
-  Circuit c;
+  TestCircuit c;
   c.v("a", "0", model::Sin{.amplitude = 1.0, .frequency = 50.0});
   c.r("a", "b", 2.0);
   c.l("b", "o", 1.0 / omega0);

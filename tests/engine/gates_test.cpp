@@ -27,7 +27,7 @@ model::Pulse triangle(double delay, double half_period) {
 
 // The triangle rises from 0 at delay to 1 a half period later: it passes 1/4 ± 1/8 at these parts of a half period, up and down.
 TEST_CASE("a gate knows when its control passes its levels", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("g", "0", triangle(3.0, 2.0));
   c.s("a", "0", "g", "0", 0.25, 0.125);
   c.r("a", "0", 1.0);
@@ -52,7 +52,7 @@ TEST_CASE("a gate knows when its control passes its levels", "[unit]") {
 
 // v(g) stands on v(h), which stands on 0.5 V: their sum passes 0.75 where the triangle passes a quarter.
 TEST_CASE("a gate reads sources that stand on one another", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("g", "h", triangle(3.0, 2.0));
   c.v("h", "0", model::Dc{0.5});
   c.s("a", "0", "g", "0", 0.75);
@@ -71,7 +71,7 @@ TEST_CASE("a gate reads sources that stand on one another", "[unit]") {
 }
 
 TEST_CASE("what a gate's control asks for at the start is taken there", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("g", "0", model::Dc{1.0});
   c.s("a", "0", "g", "0", 0.5);
   c.save_v("a");
@@ -84,7 +84,7 @@ TEST_CASE("what a gate's control asks for at the start is taken there", "[unit]"
 
 // A sinusoid's passages are not found beforehand, a jump may be an event of its own, and a source that feeds the circuit keeps its corners.
 TEST_CASE("sources that jump or bend make no gates, and those that feed the circuit stay as they are", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   model::Pulse square = triangle(0.0, 1.0);
   square.rise = square.fall = 0.0;
   square.width = 1.0;

@@ -15,7 +15,7 @@ struct ClampedTank {
   static constexpr double capacitance = 1e-6, inductance = 10e-3;
   static constexpr double omega = 1e4, period = 2.0 * pi / omega;
 
-  Circuit circuit;
+  TestCircuit circuit;
   /// Starts at the angle `phase` of v = cos(ωt + phase).
   explicit ClampedTank(double phase) {
     circuit.c("a", "0", capacitance, std::cos(phase));
@@ -49,8 +49,8 @@ void check_tank(double phase, double periods, double bound) {
 }
 
 /// x'' = −x with an inelastic stop at x = 1; x and v are voltages of 1 F, the stop's force is the diode's current.
-Circuit oscillator_with_stop(double speed) {
-  Circuit c;
+TestCircuit oscillator_with_stop(double speed) {
+  TestCircuit c;
   c.c("x", "0", 1.0, 0.0);
   c.g("0", "x", "v", "0", 1.0);
   c.c("v", "0", 1.0, speed);
@@ -94,7 +94,7 @@ TEST_CASE("a clamp is found that a slowly growing oscillation reaches at last", 
     const long double middle = (low + high) / 2;
     (v(middle) < 1 ? low : high) = middle;
   }
-  Circuit c;
+  TestCircuit c;
   c.v("s", "0", sine(static_cast<double>(amplitude)));
   c.l("s", "a", 1.0);
   c.c("a", "0", 1.0);
@@ -137,7 +137,7 @@ TEST_CASE("31: a stop that is barely reached, or barely not", "[hard]") {
 
 // Hard case 32: e^{−t} − 5(e^{−10⁹t} − e^{−2·10⁹t}) is negative between 0.3235 and 1.2859 ns only. Here the switch drives nothing.
 TEST_CASE("32: two crossings a nanosecond apart in a run of one second", "[hard]") {
-  Circuit c;
+  TestCircuit c;
   c.c("a", "0", 1.0, 1.0);
   c.r("a", "0", 1.0);
   c.c("b", "0", 1e-9, 1.0);
@@ -175,7 +175,7 @@ TEST_CASE("32: two crossings a nanosecond apart in a run of one second", "[hard]
 TEST_CASE("a short conduction between two crossings close together", "[unit]") {
   const double delta = GENERATE(1e-3, 1e-6, 1e-9, 1e-11);
   INFO("delta " << delta);
-  Circuit c;
+  TestCircuit c;
   c.v("s", "0", sine());
   c.v("k", "0", model::Dc{1.0 - delta});
   c.r("s", "a", 1.0);

@@ -103,8 +103,8 @@ double distance(const Run& a, const Run& b) {
 }
 
 /// After Cockcroft and Walton, charged to nine tenths, loaded.
-Circuit multiplier(int stages) {
-  Circuit c;
+TestCircuit multiplier(int stages) {
+  TestCircuit c;
   c.v("s", "0", sine(100.0, 50.0));
   const double capacitance = 1e-6 * std::max(stages, 3) * std::max(stages, 3) / 9.0 * 20.0;
   const auto name = [](char column, int n) { return column + std::to_string(n); };
@@ -123,8 +123,8 @@ Circuit multiplier(int stages) {
 }
 
 /// RC grid fed by half-wave rectifiers at several nodes, at several frequencies and phases.
-Circuit grid(int side, int rectifiers) {
-  Circuit c;
+TestCircuit grid(int side, int rectifiers) {
+  TestCircuit c;
   const auto name = [](int i, int j) { return "n" + std::to_string(i) + "_" + std::to_string(j); };
   for (int i = 0; i < side; ++i)
     for (int j = 0; j < side; ++j) {
@@ -155,7 +155,7 @@ TEST_CASE("a Krylov space follows random networks of R and C as their eigenvecto
     INFO("seed " << seed);
     Random random(static_cast<std::uint64_t>(seed));
     const int n = 30;
-    Circuit c;
+    TestCircuit c;
     linalg::Matrix g = linalg::Matrix::Zero(n, n);
     const auto name = [](int i) { return "n" + std::to_string(i); };
     for (int i = 0; i < n; ++i) c.c(name(i), "0", 1.0);
@@ -189,7 +189,7 @@ TEST_CASE("a Krylov space follows random networks of R and C as their eigenvecto
 
 // v(t) = 1 − e^{−t} in each of many equal branches: one exponential and a constant.
 TEST_CASE("a Krylov space ends where all that moves is in it", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("s", "0", model::Dc{1.0});
   for (int i = 0; i < 50; ++i) {
     c.r("s", "n" + std::to_string(i), 1.0);
@@ -205,7 +205,7 @@ TEST_CASE("a Krylov space ends where all that moves is in it", "[unit]") {
 
 // Rings of capacitors with a source in them, and a floating one: constraints of index 2.
 TEST_CASE("no vector of a Krylov space leaves the constraints of capacitor loops", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("s", "0", sine(1.0, 1.0));
   c.c("s", "a", 1e-6);
   c.c("a", "b", 2e-6);
@@ -238,7 +238,7 @@ TEST_CASE("no vector of a Krylov space leaves the constraints of capacitor loops
 TEST_CASE("exact segments follow Cockcroft-Walton generators as the dense engine does", "[unit]") {
   for (const int stages : {2, 3, 6, 10}) {
     INFO(stages << " stages");
-    const Circuit c = multiplier(stages);
+    const TestCircuit c = multiplier(stages);
     const Setup setup{.stop = 0.2, .steps = 500};
     const Run dense = simulate(c.network(), setup), segments = simulate_segments(c.network(), setup);
     REQUIRE(segments.answer.outcome == engine::Outcome::completed);
@@ -252,7 +252,7 @@ TEST_CASE("exact segments follow Cockcroft-Walton generators as the dense engine
 TEST_CASE("exact segments follow rectifiers on RC grids as the dense engine does", "[unit]") {
   for (const auto& [side, rectifiers] : {std::pair{6, 2}, {6, 4}, {8, 3}}) {
     INFO(side << " × " << side << " nodes, " << rectifiers << " rectifiers");
-    const Circuit c = grid(side, rectifiers);
+    const TestCircuit c = grid(side, rectifiers);
     const Setup setup{.stop = 2e-3, .steps = 200, .uic = true};
     const Run dense = simulate(c.network(), setup), segments = simulate_segments(c.network(), setup);
     REQUIRE(segments.answer.outcome == engine::Outcome::completed);
@@ -267,7 +267,7 @@ TEST_CASE("exact segments follow rectifiers on RC grids as the dense engine does
 TEST_CASE("exact segments follow Cockcroft-Walton generators of hundreds of diodes", "[unit]") {
   for (const int stages : {50, 150}) {
     INFO(stages << " stages");
-    const Circuit c = multiplier(stages);
+    const TestCircuit c = multiplier(stages);
     const Setup setup{.stop = 0.1, .steps = 250};
     const Run segments = simulate_segments(c.network(), setup);
     INFO(segments.answer.id << " " << segments.answer.message);
@@ -283,7 +283,7 @@ TEST_CASE("exact segments follow Cockcroft-Walton generators of hundreds of diod
 TEST_CASE("parallel ideal diodes share their current by exact segments, whatever was before", "[unit]") {
   for (int variant = 0; variant < 6; ++variant) {
     INFO("variant " << variant);
-    Circuit c;
+    TestCircuit c;
     const double before = variant % 2 == 0 ? -5.0 : 0.0;
     c.v("s", "0", model::Pwl{{{0.0, 0.0}, {1e-3, before}, {2e-3, 0.0}, {3e-3, 0.0}, {4e-3, 5.0}, {5e-3, 0.0}, {6e-3, 0.0}, {7e-3, 3.0}}});
     if (variant < 4) c.r("s", "a", 1.0);
@@ -310,7 +310,7 @@ TEST_CASE("parallel ideal diodes share their current by exact segments, whatever
 // A source's edge of 6 V at 1 ms charges C1 and C2 in series through a diode: q = 6 V·C1 C2/(C1 + C2). A current source of 0.5 A flows beside it, whose charge in a step of
 // any length is no part of the impulse.
 TEST_CASE("charges of jumps by exact segments are those of their capacitors", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("s", "0", model::Pulse{1.0, 7.0, 1e-3, 0.0, 0.0, 1.0, 2.0});
   c.d("s", "a");
   c.c("a", "b", 2e-6, 1.0);

@@ -21,12 +21,12 @@ constexpr double merge = 1e-18;     ///< s
 constexpr double rounding = 1e-12;  ///< of some hundred segments, relative to the largest state
 
 /// A buck in discontinuous conduction: its diode turns off at an event, its switch is a clock.
-Circuit buck() {
+TestCircuit buck() {
   model::Pulse gate;
   gate.pulsed = 1.0;
   gate.width = 0.3 * period;
   gate.period = period;
-  Circuit c;
+  TestCircuit c;
   c.v("in", "0", model::Dc{12.0});
   c.v("g", "0", gate);
   c.s("in", "sw", "g", "0", 0.5);
@@ -39,10 +39,10 @@ Circuit buck() {
 }
 
 /// A rectifier whose source does not repeat within the run, and begins late.
-Circuit rectifier() {
+TestCircuit rectifier() {
   model::Sin late = sine(1.0, 7e3);
   late.delay = 15e-6;
-  Circuit c;
+  TestCircuit c;
   c.v("a", "0", late);
   c.r("a", "b", 1.0);
   c.d("b", "out");
@@ -61,7 +61,7 @@ class CountsEvents : public engine::Observer {
   std::vector<double> times;
 };
 
-std::shared_ptr<const engine::ExactModel> prepared(Circuit circuit) {
+std::shared_ptr<const engine::ExactModel> prepared(TestCircuit circuit) {
   Diagnostics diagnostics;
   auto model = engine::prepare(circuit.network(), diagnostics);
   REQUIRE(model != nullptr);
@@ -139,7 +139,7 @@ TEST_CASE("how close instants are one is given in seconds", "[unit]") {
   first.delay = 1e-6;
   second.delay = 1e-6 + 1e-16;
   first.width = second.width = 2.0;
-  Circuit c;
+  TestCircuit c;
   c.v("a", "0", first);
   c.v("b", "0", second);
   c.r("a", "c", 1.0);

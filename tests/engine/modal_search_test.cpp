@@ -285,7 +285,7 @@ TEST_CASE("a fast ring beside a diode that blocks is not followed period by peri
     const long double middle = (low + high) / 2;
     (above(middle) < 0 ? low : high) = middle;
   }
-  test::Circuit c;
+  test::TestCircuit c;
   c.v("s", "0", model::Pwl{.points = {{0.0, 0.0}, {100.0, 100.0}}});
   c.c("a", "s", 0x1p-20, 1.0);
   c.l("a", "s", 0x1p-20);
@@ -305,7 +305,7 @@ TEST_CASE("a fast ring beside a diode that blocks is not followed period by peri
 
 // x' = 2x + y, y' = 10⁹(x − y): e^{3·400 s} is no number any more, which must not hide that x passes 1 after 0.77 s.
 TEST_CASE("a passage in a mode that would grow beyond all numbers", "[unit]") {
-  test::Circuit c;
+  test::TestCircuit c;
   c.c("x", "0", 1.0, 0.1);
   c.r("x", "0", -1.0 / 3.0);
   c.c("y", "0", 1e-9, 1.0);

@@ -29,8 +29,8 @@ constexpr double drop = 0.6;
 bool is_store(const Card& card) { return card.kind == 'C' || card.kind == 'L'; }
 
 /// Voltages of capacitors and currents of inductors, in the order of the cards.
-Circuit circuit_of(const std::vector<Card>& cards) {
-  Circuit c;
+TestCircuit circuit_of(const std::vector<Card>& cards) {
+  TestCircuit c;
   for (const auto& [kind, p, n, value] : cards) {
     const std::string a = name_of(p), b = name_of(n);
     if (kind == 'V') c.v(a, b, model::Dc{value});
@@ -49,7 +49,7 @@ struct Point {
   std::vector<double> values;
 };
 
-Point point_of(const Circuit& c) {
+Point point_of(const TestCircuit& c) {
   Point result;
   Diagnostics diagnostics;
   const auto model = engine::prepare(c.network(), diagnostics);
@@ -203,7 +203,7 @@ TEST_CASE("a capacitor behind a blocked diode has an operating point at every va
     const double r = e24[random() % 24] * std::pow(10.0, static_cast<double>(random() % 7));
     const double c = e24[random() % 24] * std::pow(10.0, static_cast<double>(random() % 9) - 12.0);
     const double source = run % 2 == 0 ? -10.0 : 10.0;
-    Circuit circuit;
+    TestCircuit circuit;
     circuit.v("a", "0", model::Dc{source});
     circuit.r("a", "b", run == 0 ? 565.354 : r);
     circuit.c("b", "c", run == 0 ? 9.5e-9 : c);

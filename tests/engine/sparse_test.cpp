@@ -53,7 +53,7 @@ struct Rig {
 
 // R(x) = (1 + (1 − 2d) x)/(1 − d x)² with x = −h/RC: of order 2, with a double pole at 1/d and zero at infinity there is no other.
 TEST_CASE("a step of an RC discharge is the stability function of either method", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.c("a", "0", 2.0);
   c.r("a", "0", 3.0);
   Rig rig(c.network());
@@ -74,7 +74,7 @@ TEST_CASE("a step of an RC discharge is the stability function of either method"
 // With the stages R1 = (1 + d x)/(1 − d x) and R the estimate is e = x ((4b − 1) − R1 + 2d R)/(3 − 3 d x); R − e/(1 − d x) is left: zero at infinity, and
 // in small steps of e^x with an error of the fourth order.
 TEST_CASE("a step without its estimated error is of order 3, and as stable", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.c("a", "0", 2.0);
   c.r("a", "0", 3.0);
   Rig rig(c.network());
@@ -99,7 +99,7 @@ TEST_CASE("a step without its estimated error is of order 3, and as stable", "[u
 
 // |R(iy) − e(iy)/(1 − iy d)²| is one at most, for every y: no step gives a tank energy.
 TEST_CASE("a step without its estimated error gives a tank no energy", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.c("a", "0", 1.0);
   c.l("a", "0", 1.0);
   Rig rig(c.network());
@@ -116,7 +116,7 @@ TEST_CASE("a step without its estimated error gives a tank no energy", "[unit]")
 
 // The local error of a step of e^(−t), from R(x) and e^x; the estimates are right to the leading order. That of SDIRK2 takes the step before into account.
 TEST_CASE("the error estimate of a small step is its local error", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.c("a", "0", 1.0);
   c.r("a", "0", 1.0);
   Rig rig(c.network());
@@ -133,7 +133,7 @@ TEST_CASE("the error estimate of a small step is its local error", "[unit]") {
 // A capacitor across v(t) = t²/2: its current C t at the end of a step is a derivative, and exact for a parabola after the first stage's
 // k0 = 0; SDIRK2 has it to first order only.
 TEST_CASE("currents of capacitors across sources are of order 2", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("a", "0", model::Sin{0.0, 1.0, 1.0});
   c.c("a", "0", 2.0);
   Rig rig(c.network());
@@ -156,7 +156,7 @@ TEST_CASE("currents of capacitors across sources are of order 2", "[unit]") {
 
 // A source steps onto 1 F in series with 3 F: the upper one takes 3/4 of the step, whatever the step length.
 TEST_CASE("an Euler step takes the jump of a capacitive divider", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("s", "0", model::Dc{4.0});
   c.c("s", "m", 1.0);
   c.c("m", "0", 3.0);
@@ -170,7 +170,7 @@ TEST_CASE("an Euler step takes the jump of a capacitive divider", "[unit]") {
 
 // 1 F at 3 V over a diode onto 2 F: 1 V on both; the diode ends conducting.
 TEST_CASE("charge is shared through a diode in one Euler step", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.c("a", "0", 1.0);
   c.d("a", "b");
   c.c("b", "0", 2.0);
@@ -207,7 +207,7 @@ TEST_CASE("ports in dispute are decided by Lemke's method", "[unit]") {
 
 // Two ideal diodes side by side carry 2 A: nothing but the closing rows' ε shares it, one half each.
 TEST_CASE("parallel diodes share their current", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.i("0", "a", model::Dc{2.0});
   c.d("a", "b");
   c.d("a", "b");
@@ -222,7 +222,7 @@ TEST_CASE("parallel diodes share their current", "[unit]") {
 }
 
 TEST_CASE("a network that leaves a node open is refused with its name", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("a", "0", model::Dc{1.0});
   c.v("a", "0", model::Dc{1.0});
   c.r("a", "0", 1.0);
@@ -234,7 +234,7 @@ TEST_CASE("a network that leaves a node open is refused with its name", "[unit]"
 
 // 12 V over 1 Ω, a short (the inductor), 2 Ω and 3 Ω: 2 A, and 6 V across the 3 Ω and its capacitor.
 TEST_CASE("the operating point of the sparse engine has capacitors open and inductors short", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("s", "0", model::Dc{12.0});
   c.r("s", "a", 1.0);
   c.l("a", "b", 1e-3);
@@ -252,7 +252,7 @@ TEST_CASE("the operating point of the sparse engine has capacitors open and indu
 
 TEST_CASE("many small parts are no large circuit, one large part is", "[unit]") {
   constexpr int stages = 450;
-  Circuit apart, chain;
+  TestCircuit apart, chain;
   const auto name = [](int i) { return "n" + std::to_string(i); };
   for (int i = 0; i < stages; ++i) {
     apart.c(name(i), "0", 1.0);
@@ -264,7 +264,7 @@ TEST_CASE("many small parts are no large circuit, one large part is", "[unit]") 
   chain.save_v(name(0));
   CHECK(largest_part(apart.network()) == 1);
   CHECK(largest_part(chain.network()) == stages);
-  Circuit unread = chain;
+  TestCircuit unread = chain;
   unread.network().signals.clear();
   CHECK(largest_part(unread.network()) == 0);
 }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double tight = 1e-12;
 
-std::vector<double> operating_point(const Circuit& c) {
+std::vector<double> operating_point(const TestCircuit& c) {
   Diagnostics diagnostics;
   const auto model = engine::prepare(c.network(), diagnostics);
   REQUIRE(model);
@@ -38,7 +38,7 @@ model::Pulse step_at_zero() {
 
 // 12 V over 1 Ω, a short (the inductor), 2 Ω and 3 Ω: 2 A; the capacitor lies across the 3 Ω.
 TEST_CASE("capacitors are open, inductors short", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("in", "0", model::Dc{12.0});
   c.r("in", "a", 1.0);
   const int l = c.l("a", "b", 1e-3);
@@ -59,7 +59,7 @@ TEST_CASE("capacitors are open, inductors short", "[unit]") {
 
 // A peak detector at rest on the source's 5 V: both diodes carry the load's 5 mA; a third one, the other way round, blocks 5 V.
 TEST_CASE("diodes take the position that Kirchhoff and their signs leave", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("in", "0", model::Dc{5.0});
   const int d1 = c.d("in", "a");
   const int d2 = c.d("a", "b");
@@ -74,7 +74,7 @@ TEST_CASE("diodes take the position that Kirchhoff and their signs leave", "[uni
 }
 
 TEST_CASE("the step at t = 0 comes after the operating point", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("in", "0", step_at_zero());
   c.r("in", "a", 1.0);
   c.c("a", "0", 1.0, 4.0);
@@ -93,7 +93,7 @@ TEST_CASE("the step at t = 0 comes after the operating point", "[unit]") {
 }
 
 TEST_CASE(".ic of a node holds in the operating point and is let go at once", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("in", "0", model::Dc{10.0});
   c.r("in", "a", 1.0);
   c.c("a", "0", 1.0);
@@ -108,7 +108,7 @@ TEST_CASE(".ic of a node holds in the operating point and is let go at once", "[
 }
 
 TEST_CASE(".ic of an inductor holds in the operating point and is let go at once", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("in", "0", model::Dc{10.0});
   c.r("in", "a", 2.0);
   const int l = c.l("a", "0", 2.0);
@@ -124,7 +124,7 @@ TEST_CASE(".ic of an inductor holds in the operating point and is let go at once
 
 // An inductor across a capacitor without resistance, or a capacitor that nothing charges: any value would do; zero holds no energy.
 TEST_CASE("where the operating point is not unique the run starts with least energy and says so", "[unit]") {
-  Circuit loop;
+  TestCircuit loop;
   loop.l("a", "0", 1e-3);
   const int l = loop.l("a", "0", 1e-3);
   loop.r("a", "0", 1.0);
@@ -133,7 +133,7 @@ TEST_CASE("where the operating point is not unique the run starts with least ene
   CHECK(std::abs(circulating.at(0, 0)) <= tight);
   CHECK(has_remark(circulating.answer, "W-op-not-unique"));
 
-  Circuit floating;
+  TestCircuit floating;
   floating.v("in", "0", model::Dc{4.0});
   floating.c("in", "m", 1e-6);
   floating.c("m", "0", 3e-6);
@@ -145,7 +145,7 @@ TEST_CASE("where the operating point is not unique the run starts with least ene
 }
 
 TEST_CASE("initial values that contradict the circuit are projected, and the run says so", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.c("a", "0", 1.0, 3.0);
   c.c("a", "0", 2.0, 0.0);  // in parallel: charge 3 C on 3 F
   c.r("a", "0", 1.0);
@@ -155,7 +155,7 @@ TEST_CASE("initial values that contradict the circuit are projected, and the run
   CHECK(run.at(2, 0) == Approx(std::exp(-1.0 / 3.0)).epsilon(tight));
   CHECK(has_remark(run.answer, "W-start-projected"));
 
-  Circuit source;
+  TestCircuit source;
   source.v("in", "0", model::Dc{5.0});
   source.c("in", "0", 1.0, 1.0);
   source.save_v("in");
@@ -165,7 +165,7 @@ TEST_CASE("initial values that contradict the circuit are projected, and the run
 }
 
 TEST_CASE("initial values that fit are not talked about", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.c("a", "0", 1.0, 3.0);
   c.c("a", "0", 2.0, 3.0);
   c.r("a", "0", 1.0);
@@ -177,7 +177,7 @@ TEST_CASE("initial values that fit are not talked about", "[unit]") {
 
 // 1 V in the forward direction of a diode between ideal nodes: no current satisfies it.
 TEST_CASE("a source that shorts itself through a diode has no operating point, and no run", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("in", "0", model::Dc{1.0});
   c.d("in", "0");
   c.c("in", "0", 1.0);
@@ -192,7 +192,7 @@ TEST_CASE("a source that shorts itself through a diode has no operating point, a
 
 // Closed, the switch takes away the voltage that closes it; open, it lets it come back.
 TEST_CASE("a switch that undoes its own condition is named", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("in", "0", model::Dc{1.0});
   c.r("in", "a", 1.0);
   c.s("a", "0", "a", "0", 0.5);
@@ -207,7 +207,7 @@ TEST_CASE("a switch that undoes its own condition is named", "[unit]") {
 
 // 2 A into 0.5 F have no rest: v = 4 t, from zero, since without uic ic= does not count. The other part has its own: 5 V behind 1 ohm.
 TEST_CASE("a part without an operating point starts from zero, another from its own", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.i("0", "a", model::Dc{2.0});
   c.c("a", "0", 0.5, 3.0);
   c.v("in", "0", model::Dc{5.0});
@@ -245,7 +245,7 @@ TEST_CASE("a part without an operating point starts from zero, another from its 
 }
 
 TEST_CASE("what no signal depends on is left out where it always has a solution", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("in", "0", sine());
   c.r("in", "a", 1.0);
   c.d("a", "b");

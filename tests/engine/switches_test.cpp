@@ -21,7 +21,7 @@ model::Pulse clock(double delay, double width, double period) {
 }
 
 /// Rows as the output has them: one a grid time, the value after what happens there.
-Run run_grid(const Circuit& c, double stop, std::uint64_t steps, bool uic = true) {
+Run run_grid(const TestCircuit& c, double stop, std::uint64_t steps, bool uic = true) {
   Run run = simulate(c.network(), {stop, steps, uic, false});
   INFO(run.errors << run.answer.message);
   REQUIRE(run.errors.empty());
@@ -34,7 +34,7 @@ Run run_grid(const Circuit& c, double stop, std::uint64_t steps, bool uic = true
 // Two switches in series across an ideal source: were one to close before the other opens, no solution would exist.
 TEST_CASE("two switches of a half bridge change together", "[unit]") {
   const double rise = GENERATE(0.0, 0.05);
-  Circuit c;
+  TestCircuit c;
   c.v("in", "0", model::Dc{10.0});
   model::Pulse gate = clock(0.1, 0.4, 1.0);
   gate.rise = gate.fall = rise;
@@ -56,7 +56,7 @@ TEST_CASE("two switches of a half bridge change together", "[unit]") {
 }
 
 TEST_CASE("switches of several islands that one ramp drives pass at one instant", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   model::Pwl ramp;
   ramp.points = {{0.0, 0.0}, {1.0, 1.0}};
   c.v("g", "0", ramp);
@@ -76,7 +76,7 @@ TEST_CASE("switches of several islands that one ramp drives pass at one instant"
 
 // Charge is conserved, two thirds of the energy are lost (hard case 19 with a switch for the diode).
 TEST_CASE("a switch closes across charged capacitors", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.c("a", "0", 1.0, 3.0);
   c.c("b", "0", 2.0, 0.0);
   c.v("g", "0", clock(0.5, 10.0, model::forever));
@@ -95,7 +95,7 @@ TEST_CASE("a switch closes across charged capacitors", "[unit]") {
 }
 
 TEST_CASE("a switch shorts a capacitor, and one puts a source across it", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("in", "0", model::Dc{7.0});
   c.c("a", "0", 1e-6, 0.0);
   c.v("g", "0", clock(0.25, 0.25, 1.0));
@@ -115,7 +115,7 @@ TEST_CASE("a switch shorts a capacitor, and one puts a source across it", "[unit
 
 // The source reads i = 2 A after 1 s of 2 V on 1 H; then nothing lets the current flow and it is gone.
 TEST_CASE("a switch opens an inductor that has no other way", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("in", "0", model::Dc{2.0});
   c.v("g", "0", clock(0.0, 1.0, model::forever));
   c.s("in", "a", "g", "0", 0.5);
@@ -130,7 +130,7 @@ TEST_CASE("a switch opens an inductor that has no other way", "[unit]") {
 
 // 1 V across 1 H for 1 s, then −1 V for 1 s: the current is back at zero at the very instant at which the switch closes again.
 TEST_CASE("a current reaches zero exactly on a switch edge", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("in", "0", model::Dc{2.0});
   c.v("g", "0", clock(0.0, 1.0, 2.0));
   c.s("in", "sw", "g", "0", 0.5);
@@ -149,7 +149,7 @@ TEST_CASE("a current reaches zero exactly on a switch edge", "[unit]") {
 
 // The band is 1 V ± 0.25 V around the capacitor's voltage: it runs up and down between the levels with slopes ±1 V/s.
 TEST_CASE("hysteresis: a relaxation oscillator keeps its period", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.c("a", "0", 1.0, 0.0);
   c.i("0", "a", model::Dc{1.0});
   c.i("d", "0", model::Dc{2.0});  // the switch takes 2 A out of the node while it is closed, else the diode carries them
@@ -171,7 +171,7 @@ TEST_CASE("inside the band the flag decides the start, outside the control", "[u
   const auto [control, flag, closed] =
       GENERATE(table<double, bool, bool>({{1.0, false, false}, {1.0, true, true}, {2.0, false, true}, {0.0, true, false}}));
   INFO("control " << control << ", flag " << flag);
-  Circuit c;
+  TestCircuit c;
   c.v("g", "0", model::Dc{control});
   c.v("in", "0", model::Dc{6.0});
   c.r("in", "a", 1.0);
@@ -182,7 +182,7 @@ TEST_CASE("inside the band the flag decides the start, outside the control", "[u
 
 // A chain: the first switch raises the control of the second at once. No state between is simulated, and all is one event.
 TEST_CASE("a switch that drives a switch", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("in", "0", model::Dc{1.0});
   c.v("g", "0", clock(0.5, 10.0, model::forever));
   c.s("in", "a", "g", "0", 0.5);
@@ -235,7 +235,7 @@ TEST_CASE("a switch follows the corners of its gate, whether anything else reads
                GateCase{through({{0, 0}, {1, 0.5}, {2, 0}}), 0.5, 0.0, 0}, GateCase{through({{0, 1}, {1, 0.5}, {2, 1}}), 0.5, 4.0, 0});
   const bool is_read = GENERATE(false, true);
   CAPTURE(c.threshold, c.time_on, is_read);
-  Circuit circuit;
+  TestCircuit circuit;
   circuit.v("in", "0", model::Dc{10.0});
   circuit.v("g", "0", c.gate);
   circuit.s("in", "m", "g", "0", c.threshold);

@@ -47,7 +47,7 @@ Told watched(const model::Network& network, double stop, bool sparse) {
 TEST_CASE("a diode is told to turn off and on where the sine behind it changes sign", "[unit]") {
   const bool sparse = GENERATE(false, true);
   CAPTURE(sparse);
-  test::Circuit circuit;
+  test::TestCircuit circuit;
   circuit.v("a", "0", test::sine());
   circuit.d("a", "b");
   circuit.r("b", "0", 1.0);
@@ -67,7 +67,7 @@ TEST_CASE("a diode is told to turn off and on where the sine behind it changes s
 TEST_CASE("a switch in a part of its own is told to close by the edge of a source, which charges a capacitor at once", "[unit]") {
   const bool sparse = GENERATE(false, true);
   CAPTURE(sparse);
-  test::Circuit circuit;
+  test::TestCircuit circuit;
   model::Pulse pulse;
   pulse.pulsed = 1.0;
   pulse.delay = 0.25;
@@ -89,7 +89,7 @@ TEST_CASE("a switch in a part of its own is told to close by the edge of a sourc
 }
 
 TEST_CASE("a diode across a closed switch is told to conduct, though no signal reads its share", "[unit]") {
-  test::Circuit circuit;
+  test::TestCircuit circuit;
   circuit.v("dc", "0", model::Dc{1.0});
   circuit.v("g", "0", model::Pulse{.initial = 1.0, .delay = 1.0});
   circuit.v("h", "0", model::Pulse{.pulsed = 1.0, .delay = 1.0});

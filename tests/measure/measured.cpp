@@ -43,7 +43,7 @@ Measured measure_deck(const std::string& text, double reltol, const std::atomic<
   const auto compiled = circuit::compile(deck, sources, diagnostics, {.measure = true});
   measured.messages = errors_of(diagnostics, sources);
   if (!compiled) return measured;
-  const circuit::Transient& transient = *compiled->analyses.transient;
+  const circuit::TransientAnalysis& transient = *compiled->analyses.transient;
   measure::Measuring measuring(compiled->measurements, transient.start.seconds, transient.stop.seconds, transient.stop.seconds);
   while (measuring.begin_pass()) {
     engine::Request request;

@@ -5,7 +5,7 @@
 using namespace pwlsim::model;
 
 TEST_CASE("nodes are found without case and keep their first spelling", "[unit]") {
-  Builder builder;
+  NetworkBuilder builder;
   CHECK(builder.node("Out") == 0);
   CHECK(builder.node("in") == 1);
   CHECK(builder.node("OUT") == 0);
@@ -20,7 +20,7 @@ TEST_CASE("nodes are found without case and keep their first spelling", "[unit]"
 }
 
 TEST_CASE("every word of the vocabulary goes to its list", "[unit]") {
-  Builder builder;
+  NetworkBuilder builder;
   CHECK(builder.add(Resistor{{"R1", {}}, 0, ground, 5.0}) == 0);
   CHECK(builder.add(Resistor{{"R2", {}}, 0, ground, 6.0}) == 1);
   CHECK(builder.add(Switch{}) == 0);

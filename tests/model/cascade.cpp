@@ -31,9 +31,9 @@ std::vector<int> members(unsigned bits, int k) {
 }
 
 /// Solves M z = right for a square M, rows and columns divided by their largest entries.
-class Block {
+class ScaledBlock {
  public:
-  explicit Block(const WideMatrix& m) : row_scale_(WideVector::Ones(m.rows())), column_scale_(WideVector::Ones(m.rows())) {
+  explicit ScaledBlock(const WideMatrix& m) : row_scale_(WideVector::Ones(m.rows())), column_scale_(WideVector::Ones(m.rows())) {
     WideMatrix scaled = m;
     for (Eigen::Index i = 0; i < m.rows(); ++i)
       if (const Wide size = scaled.row(i).cwiseAbs().maxCoeff(); size > 0) scaled.row(i) *= (row_scale_[i] = 1 / size);
@@ -68,7 +68,7 @@ bool all_minors_positive(const WideMatrix& m) {
   for (unsigned bits = 1; bits < (1U << static_cast<unsigned>(k)); ++bits) {
     const std::vector<int> set = members(bits, k);
     const WideMatrix block = m(set, set);
-    if (!Block(block).regular() || block.determinant() <= 0) return false;
+    if (!ScaledBlock(block).regular() || block.determinant() <= 0) return false;
   }
   return true;
 }
@@ -200,7 +200,7 @@ class CascadeSteps {
     s.open = with_side(branch, Side::undetermined);
     s.z = known_part(branch, l);
     const WideMatrix& n = c_.leading_rows_;
-    const Block block{WideMatrix(n(s.active, s.active))};
+    const ScaledBlock block{WideMatrix(n(s.active, s.active))};
     if (!block.regular()) {
       undecided_ = true;
       return;
@@ -249,7 +249,7 @@ class CascadeSteps {
 
   /// u_basis from y_basis = 0 (basis: positions in `open`); appends the branch if no sign is wrong.
   bool follow(const Branch& branch, const Step& s, const std::vector<int>& basis, std::vector<Branch>& next) {
-    const Block block{WideMatrix(s.schur(basis, basis))};
+    const ScaledBlock block{WideMatrix(s.schur(basis, basis))};
     if (!block.regular()) {
       if (block.consistent(-s.right.v(basis), s.right.error(basis))) undecided_ = true;
       return false;

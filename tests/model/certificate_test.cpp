@@ -60,7 +60,7 @@ TEST_CASE("principal minors agree with their definition", "[property]") {
 
 TEST_CASE("a voltage branch that follows its own current is a resistor, passive where it is positive", "[unit]") {
   const double resistance = GENERATE(5.0, -5.0);
-  Circuit c;
+  TestCircuit c;
   c.c("a", "0", 1.0);
   const int branch = c.e("a", "0", "a", "0", 0.0);
   c.network().branches[static_cast<std::size_t>(branch)].voltage = {{model::Term::Kind::branch_current, branch, resistance}};

@@ -34,7 +34,7 @@ StateSpace space_of(const model::Island& island) {
 
 // Hard case 19: C1 = 1 F and C2 = 2 F joined by a diode; x = √C·v, u the diode's current, y = v2 − v1.
 TEST_CASE("two capacitors and a diode", "[hard]") {
-  Circuit c;
+  TestCircuit c;
   c.c("a", "0", 1.0);
   c.c("b", "0", 2.0);
   c.d("a", "b");
@@ -54,7 +54,7 @@ TEST_CASE("two capacitors and a diode", "[hard]") {
 // Hard case 24: the loop of the source leaves one state, orthogonal to (1/√C1, 1/√C2): x = (C2 v2 − C1 v1)/√(C1+C2); pole −1/(R(C1+C2)).
 TEST_CASE("a capacitive divider has one state, a mixture of both voltages", "[hard]") {
   const double c1 = 1e-12, c2 = 3e-12, r = 1e6;
-  Circuit c;
+  TestCircuit c;
   c.v("s", "0", model::Dc{1.0});
   c.c("s", "m", c1);
   c.c("m", "0", c2);
@@ -71,7 +71,7 @@ TEST_CASE("a capacitive divider has one state, a mixture of both voltages", "[ha
 // Two windings with k = 1 share one flux: energy ½(√L1 i1 + √L2 i2)².
 TEST_CASE("perfectly coupled inductors have one state", "[unit]") {
   const double l1 = 50e-6, l2 = 12.5e-6;
-  Circuit c;
+  TestCircuit c;
   const int a = c.l("a", "0", l1), b = c.l("b", "0", l2);
   c.k(a, b, 1.0);
   c.r("a", "0", 3.0);
@@ -88,7 +88,7 @@ TEST_CASE("perfectly coupled inductors have one state", "[unit]") {
 
 // A store far from a loop keeps its own state: a third capacitor beside two in parallel.
 TEST_CASE("only what a loop ties together is mixed", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.c("a", "0", 2.0);
   c.c("b", "0", 1.0);
   c.c("b", "0", 3.0);
@@ -108,7 +108,7 @@ TEST_CASE("only what a loop ties together is mixed", "[unit]") {
 
 // C discharges through a contact of 2 Ω, or not at all; another source's current follows the contact's.
 TEST_CASE("a closed contact is a resistor, an open one nothing", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.c("a", "0", 4.0);
   const int contact = c.s("a", "0", "a", "0", 1.0);
   c.network().switches[static_cast<std::size_t>(contact)].resistance = 2.0;

@@ -27,7 +27,7 @@ struct Extracted {
 };
 
 /// The island with the most energy stores, ports and resistors: sources to ground may stand alone.
-Extracted extract(const Circuit& circuit) {
+Extracted extract(const TestCircuit& circuit) {
   Extracted result;
   result.islands = model::split_islands(circuit.network());
   const auto size = [](const model::Island& island) {
@@ -76,7 +76,7 @@ std::vector<int> active_when(const model::System& system, bool conducting) {
 }  // namespace
 
 TEST_CASE("R and C: one pole at -1/RC", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.r("a", "0", 2e3);
   c.c("a", "0", 3e-6);
   const auto p = poles(extract(c).system());
@@ -86,7 +86,7 @@ TEST_CASE("R and C: one pole at -1/RC", "[unit]") {
 
 TEST_CASE("a series resonance: s² + sR/L + 1/LC", "[unit]") {
   const double r = 10.0, l = 1e-3, cap = 1e-6;
-  Circuit c;
+  TestCircuit c;
   c.r("a", "b", r);
   c.l("b", "d", l);
   c.c("d", "a", cap);
@@ -100,7 +100,7 @@ TEST_CASE("a series resonance: s² + sR/L + 1/LC", "[unit]") {
 
 TEST_CASE("the tank with resistor and diode, in both positions of the diode", "[unit]") {
   const double r = 1e3, l = 10e-3, cap = 1e-6;
-  Circuit c;
+  TestCircuit c;
   c.c("1", "0", cap);
   c.l("1", "0", l);
   c.r("1", "2", r);
@@ -120,7 +120,7 @@ TEST_CASE("the tank with resistor and diode, in both positions of the diode", "[
 // Hard case 24: one state, −1/(R(C1+C2)); a step of the source moves v(m) by C1/(C1+C2) of it, charge conserved.
 TEST_CASE("a loop of a source and two capacitors has one state, and the source reaches the node", "[unit]") {
   const double r = 1e6, c1 = 1e-12, c2 = 3e-12;
-  Circuit c;
+  TestCircuit c;
   c.v("s", "0", model::Dc{1.0});
   c.c("s", "m", c1);
   c.c("m", "0", c2);
@@ -136,7 +136,7 @@ TEST_CASE("a loop of a source and two capacitors has one state, and the source r
 }
 
 TEST_CASE("two inductors in series are one state", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.l("a", "b", 1.0);
   c.l("b", "d", 3.0);
   c.r("d", "a", 8.0);
@@ -147,7 +147,7 @@ TEST_CASE("two inductors in series are one state", "[unit]") {
 }
 
 TEST_CASE("parallel capacitors and capacitors in series", "[unit]") {
-  Circuit parallel;
+  TestCircuit parallel;
   parallel.c("a", "0", 1.0);
   parallel.c("a", "0", 3.0);
   parallel.r("a", "0", 0.5);
@@ -155,7 +155,7 @@ TEST_CASE("parallel capacitors and capacitors in series", "[unit]") {
   REQUIRE(p.size() == 1);
   CHECK(p[0].real() == Approx(-0.5).epsilon(tight));
 
-  Circuit series;  // the charge of the middle node never changes: a pole at zero
+  TestCircuit series;  // the charge of the middle node never changes: a pole at zero
   series.c("a", "b", 1.0);
   series.c("b", "0", 3.0);
   series.r("a", "0", 2.0);
@@ -169,7 +169,7 @@ TEST_CASE("parallel capacitors and capacitors in series", "[unit]") {
 TEST_CASE("coupled inductors", "[unit]") {
   const double l1 = 4.0, l2 = 9.0, r1 = 2.0, r2 = 3.0;
   const double k = GENERATE(1.0, -1.0, 0.5);
-  Circuit c;
+  TestCircuit c;
   const int a = c.l("a", "0", l1);
   const int b = c.l("b", "0", l2);
   c.k(a, b, k);
@@ -190,7 +190,7 @@ TEST_CASE("coupled inductors", "[unit]") {
 }
 
 TEST_CASE("couplings that no windings can have are refused", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   const int l1 = c.l("a", "0", 1.0), l2 = c.l("b", "0", 1.0), l3 = c.l("d", "0", 1.0);
   c.k(l1, l2, 1.0);
   c.k(l2, l3, 1.0);
@@ -200,7 +200,7 @@ TEST_CASE("couplings that no windings can have are refused", "[unit]") {
 }
 
 TEST_CASE("the stored energy is half the squared length of the state", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.c("a", "0", 2e-6, 5.0);
   c.l("a", "b", 3e-3, 0.1);
   c.l("d", "0", 1e-3, -0.2);
@@ -215,7 +215,7 @@ TEST_CASE("the stored energy is half the squared length of the state", "[unit]")
 }
 
 TEST_CASE("passive parts give a dissipative system, active ones do not", "[unit]") {
-  Circuit passive;
+  TestCircuit passive;
   passive.v("s", "0", sine());
   passive.r("s", "a", 1e2);
   passive.d("a", "b");
@@ -230,7 +230,7 @@ TEST_CASE("passive parts give a dissipative system, active ones do not", "[unit]
   CHECK(linalg::logarithmic_norm(a) <= tight * a.norm());
   CHECK(linalg::logarithmic_norm(-system.d) <= tight);  // D + Dᵀ ⪰ 0
 
-  Circuit active;
+  TestCircuit active;
   active.c("a", "0", 1e-6);
   active.r("a", "0", -50.0);
   active.d("a", "0");
@@ -238,7 +238,7 @@ TEST_CASE("passive parts give a dissipative system, active ones do not", "[unit]
 }
 
 TEST_CASE("diodes in loops, in series, in parallel: well defined ports", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("s", "q", sine());  // floating secondary of a bridge
   c.d("s", "o");
   c.d("q", "o");
@@ -262,7 +262,7 @@ TEST_CASE("diodes in loops, in series, in parallel: well defined ports", "[unit]
 
 TEST_CASE("what leaves the equations singular is refused by name", "[unit]") {
   SECTION("two sources in parallel that contradict each other") {
-    Circuit c;
+    TestCircuit c;
     c.v("a", "b", model::Dc{1.0});
     c.v("a", "b", model::Dc{2.0});
     c.r("a", "0", 1.0);
@@ -275,7 +275,7 @@ TEST_CASE("what leaves the equations singular is refused by name", "[unit]") {
     CHECK(text.find("V2") != std::string::npos);
   }
   SECTION("a current source that feeds nothing but another") {
-    Circuit c;
+    TestCircuit c;
     c.i("a", "0", model::Dc{1.0});
     c.i("a", "0", model::Dc{2.0});
     const Extracted extracted = extract(c);
@@ -284,7 +284,7 @@ TEST_CASE("what leaves the equations singular is refused by name", "[unit]") {
     CHECK(extracted.diagnostics.all().front().text.find("a") != std::string::npos);
   }
   SECTION("a part without any tie to ground") {
-    Circuit c;
+    TestCircuit c;
     c.r("a", "b", 1.0);
     c.c("a", "b", 1.0);
     const Extracted extracted = extract(c);

@@ -23,7 +23,7 @@ const model::Island& island_with(const std::vector<model::Island>& islands, cons
 }  // namespace
 
 TEST_CASE("parts that share only ground are islands, each with its own numbers", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.r("a", "0", 1.0);
   c.c("b", "0", 2.0);
   c.c("a", "0", 3.0);
@@ -44,7 +44,7 @@ TEST_CASE("parts that share only ground are islands, each with its own numbers",
 
 TEST_CASE("an island that nothing asks for is not needed, unless it drives a switch of one that is", "[unit]") {
   const bool drives = GENERATE(false, true);
-  Circuit c;
+  TestCircuit c;
   c.r("a", "b", 1.0);
   c.c("b", "0", 1.0);
   c.i("0", "a", model::Dc{1.0});
@@ -63,7 +63,7 @@ TEST_CASE("an island that nothing asks for is not needed, unless it drives a swi
 }
 
 TEST_CASE("a signal over two islands has a share in each", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.r("a", "0", 1.0);
   c.c("a", "0", 1.0);
   c.r("b", "0", 1.0);
@@ -79,14 +79,14 @@ TEST_CASE("a signal over two islands has a share in each", "[unit]") {
 }
 
 TEST_CASE("couplings and controlled sources tie parts together", "[unit]") {
-  Circuit coupled;
+  TestCircuit coupled;
   const int l1 = coupled.l("a", "0", 1.0), l2 = coupled.l("b", "0", 1.0);
   coupled.k(l1, l2, 0.5);
   coupled.r("a", "0", 1.0);
   coupled.r("b", "0", 1.0);
   CHECK(model::split_islands(coupled.network()).size() == 1);
 
-  Circuit controlled;
+  TestCircuit controlled;
   controlled.r("a", "0", 1.0);
   controlled.c("a", "0", 1.0);
   controlled.g("b", "0", "a", "0", 2.0);
@@ -95,7 +95,7 @@ TEST_CASE("couplings and controlled sources tie parts together", "[unit]") {
 }
 
 TEST_CASE("what hangs on both sides of an ideal source to ground is not tied by it", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("rail", "0", model::Dc{5.0});
   c.r("rail", "a", 1.0);
   c.c("a", "0", 1.0);

@@ -12,7 +12,7 @@ using namespace pwlsim::test;
 // inductor beside them are known. ½·(2 H)·(0.5 A)² + ½·(3 A + 2·0 A)²·1 H = 4.75 J.
 TEST_CASE("perfect coupling hides the currents of its own windings only", "[unit]") {
   constexpr double exact = 1e-13;
-  Circuit c;
+  TestCircuit c;
   const int first = c.l("a", "0", 1.0, 3.0);
   const int second = c.l("b", "0", 4.0, 0.0);
   c.k(first, second, 1.0);

@@ -275,7 +275,7 @@ class Emitter {
 
   const RandomNetwork& network_;
   std::vector<int> state_;
-  model::Builder builder_;
+  model::NetworkBuilder builder_;
 };
 
 std::vector<int> counted(std::size_t size) {

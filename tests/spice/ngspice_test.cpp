@@ -89,7 +89,7 @@ CompiledDeck load(const std::filesystem::path& path) {
 }
 
 /// 100 of its 100,000 cycles: ngspice needs half a minute and gigabytes for all.
-void shorten(const std::string& name, circuit::Circuit& circuit) {
+void shorten(const std::string& name, circuit::FlatCircuit& circuit) {
   if (name == "tank_clamp") circuit.analyses.transient->stop.seconds *= 1e-3;
 }
 

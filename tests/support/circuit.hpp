@@ -11,7 +11,7 @@
 
 namespace pwlsim::test {
 
-class Circuit {
+class TestCircuit {
  public:
   void r(const std::string& p, const std::string& n, double value) { b_.add(model::Resistor{label("R"), node(p), node(n), value}); }
   int c(const std::string& p, const std::string& n, double value, double initial = 0.0) {
@@ -68,7 +68,7 @@ class Circuit {
   void save(const std::string& name, model::LinearForm form) { b_.add(model::Signal{name, std::move(form)}); }
   model::Label label(const std::string& letter) { return {letter + std::to_string(++count_[letter]), {}}; }
 
-  model::Builder b_;
+  model::NetworkBuilder b_;
   std::map<std::string, int> count_;
 };
 

@@ -18,7 +18,7 @@ model::LinearForm read(Emission& emission, const BlockInput& input) {
 }
 
 MovingForm output_of(Emission& emission) {
-  const Block& block = *emission.model().kind->block;
+  const BlockKind& block = *emission.model().kind->block;
   std::vector<model::LinearForm> inputs;
   for (const BlockInput& input : emission.instance().inputs) inputs.push_back(read(emission, input));
   if (block.dynamics != nullptr) return block.dynamics(emission, inputs[0]);

@@ -9,7 +9,7 @@ void emit_load(Emission& emission) {
   constexpr double knee = 1e-3;  // ohm: without it what rests at zero volts is not determined
   const model::LinearForm current = add_source(emission);
   const model::NodeIndex inner = emission.inner_node("load");
-  model::Builder& builder = emission.builder();
+  model::NetworkBuilder& builder = emission.builder();
   builder.add(model::Injection{emission.label("load"), inner, emission.n(), current});
   builder.add(model::Diode{emission.label("load"), emission.n(), inner, 0.0, 0.0});
   const int index = builder.add(model::Diode{emission.label(), emission.p(), inner, knee, 0.0});

@@ -218,7 +218,7 @@ int add_condition(Emission& emission, std::string_view part, const model::Linear
 /// A diode while its gate is on or its current, which the latch follows, above Ih; else it blocks.
 void emit_thyristor(Emission& emission) {
   const Values& v = emission.model().values;
-  model::Builder& builder = emission.builder();
+  model::NetworkBuilder& builder = emission.builder();
   const NodePair ends{emission.p(), emission.n()};
   const double m = emission.value("m");
   model::Diode valve{emission.label(), ends.p, ends.n, contact_resistance(v.get("Ron"), v.get("Roff")) / m, v.get("Vfwd")};

@@ -57,7 +57,7 @@ constexpr Parameter parameters[] = {
 void emit(Emission& emission) {
   const Instance& instance = emission.instance();
   const Values& v = emission.model().values;
-  model::Builder& builder = emission.builder();
+  model::NetworkBuilder& builder = emission.builder();
   model::Switch condition;
   condition.label = emission.label("gate");
   condition.resistance = 1.0;  // across itself it carries nothing, open or closed

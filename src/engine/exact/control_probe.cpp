@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "engine/exact/guard_watch.hpp"
 #include "engine/exact/tolerances.hpp"
@@ -30,8 +31,16 @@ void ControlProbe::go_to(double tau) {
   segment_->mode->flow.apply_once(tau, y_.data(), work_.data());
 }
 
-void ControlProbe::look(const model::System& system, const Segment& segment, double time) {
-  const double length = (time - segment.anchor) - segment.late;
+void ControlProbe::hand_over(const RunEnd& end, Answer& answer) {
+  for (const model::Clock& clock : end.clocks) watch_.trace(clock, clock.driven());
+  for (Remark& remark : watch_.remarks(end.on, answer.outcome == Outcome::completed)) answer.remarks.push_back(std::move(remark));
+}
+
+/// The segment at hand ends.
+void ControlProbe::look(const IslandAt& island) {
+  const model::System& system = island.run.system();
+  const Segment& segment = island.run.segment();
+  const double length = (island.time - segment.anchor) - segment.late;
   if (system.controls.empty() || segment.mode == nullptr || segment.mode->ny == 0 || !(length > 0.0)) return;
   segment_ = &segment;
   const auto wants = [&](const model::Control& control) { return watch_.asks_range(control.driven) || watch_.asks_rest(control.driven); };

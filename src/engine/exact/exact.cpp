@@ -1,21 +1,21 @@
 #include "engine/exact/exact.hpp"
 
+#include "engine/exact/exact_run.hpp"
 #include "engine/exact/start.hpp"
-#include "engine/exact/transient.hpp"
 #include "engine/from_start.hpp"
 
 namespace pwlsim::engine {
 
 Answer run(const ExactModel& model, const Request& request, RowSink& sink) {
   const auto began = std::chrono::steady_clock::now();
-  const Start start = request.use_initial_conditions ? start_from_initial_values(model) : start_from_operating_point(model);
+  const RunStart start = request.use_initial_conditions ? start_from_initial_values(model) : start_from_operating_point(model);
   Selectors selectors(model, request.non_unique);
   return run_from_start(request, began, start,
-                        [&](const RunState& from) { return Transient(model, request, sink, selectors, {}).run(from); });
+                        [&](const RunState& from) { return ExactRun(model, request, sink, selectors, {}).run(from); });
 }
 
 OperatingPoint operating_point(const ExactModel& model) {
-  const Start start = start_from_operating_point(model);
+  const RunStart start = start_from_operating_point(model);
   OperatingPoint result;
   result.values.assign(model.signal_names.size(), 0.0);
   for (std::size_t i = 0; i < start.signals.size(); ++i) {

@@ -14,7 +14,7 @@ void JumpRecorder::keep(std::size_t island, const std::vector<double>& x) {
   before_[island].higher_order = false;
 }
 
-void JumpRecorder::jumped(std::size_t island, const model::Selected& selected) {
+void JumpRecorder::add(std::size_t island, const model::Selected& selected) {
   if (before_.empty()) return;
   Open& open = before_[island];
   if (open.impulse.size() == 0)
@@ -40,16 +40,17 @@ std::vector<Jump::Impulse> JumpRecorder::impulses(std::size_t island, const Open
   return result;
 }
 
-void JumpRecorder::after(std::size_t island, double time, const std::vector<double>& x) {
+void JumpRecorder::closes(const IslandAt& at) {
+  const std::size_t island = at.number;
   if (before_.empty() || before_[island].impulse.size() == 0 || jumps_.size() >= most_jumps_kept) return;
   const IslandModel& model = islands_[island];
   const model::StoreValues& stores = stores_.try_emplace(island, model.island, model.extraction).first->second;
   const Open& open = before_[island];
-  const model::Vector now = Eigen::Map<const model::Vector>(x.data(), static_cast<Eigen::Index>(x.size()));
+  const model::Vector now = Eigen::Map<const model::Vector>(at.run.x.data(), static_cast<Eigen::Index>(at.run.x.size()));
   const model::Vector old_values = stores.values(open.x);
   const model::Vector new_values = stores.values(now);
   Jump jump;
-  jump.time = time;
+  jump.time = at.time;
   jump.impulses = impulses(island, open);
   jump.higher_order = open.higher_order;
   jump.energy_before = stores.energy(open.x);

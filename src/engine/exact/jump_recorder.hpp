@@ -5,29 +5,29 @@
 #include <vector>
 
 #include "engine/exact/exact_model.hpp"
+#include "engine/exact/recorder.hpp"
 #include "engine/run.hpp"
-#include "model/selection.hpp"
 #include "model/store_values.hpp"
 
 namespace pwlsim::engine {
 
-class JumpRecorder {
+class JumpRecorder : public Recorder {
  public:
   /// Nothing is kept unless `wanted`.
   JumpRecorder(const std::vector<IslandModel>& islands, bool wanted) : islands_(islands), before_(wanted ? islands.size() : 0) {}
 
-  /// The state x = (ξ, ζ) of an island before the instant.
-  void before(std::size_t island, const std::vector<double>& x) {
-    if (!before_.empty()) keep(island, x);
+  void opened(const IslandAt& island, const Opening& /*opening*/) {
+    if (!before_.empty()) keep(island.number, island.run.x);
   }
-  /// A selection in it has jumped.
-  void jumped(std::size_t island, const model::Selected& selected);
-  /// The state after the instant.
-  void after(std::size_t island, double time, const std::vector<double>& x);
-  [[nodiscard]] std::vector<Jump> take() { return std::move(jumps_); }
+  void selected(const IslandAt& island, const model::Selected& selected) {
+    if (selected.jumps > 0) add(island.number, selected);
+  }
+  void closes(const IslandAt& island);
+  void hand_over(const RunEnd& /*end*/, Answer& answer) { answer.jumps = std::move(jumps_); }
 
  private:
   void keep(std::size_t island, const std::vector<double>& x);
+  void add(std::size_t island, const model::Selected& selected);
   struct Open {
     model::Vector x;
     model::Vector impulse;  ///< empty: no jump

@@ -3,25 +3,23 @@
 /// elements require, but seldom what the user intended. (Charge sharing through closed contacts without resistance loses energy, too, but breaks no current.)
 
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/exact/exact_model.hpp"
+#include "engine/exact/recorder.hpp"
 #include "engine/run.hpp"
 #include "model/store_values.hpp"
 
 namespace pwlsim::engine {
 
-class LossWatch {
+class LossWatch : public Recorder {
  public:
   explicit LossWatch(const std::vector<IslandModel>& islands) : islands_(islands) {}
 
-  /// States x = (ξ, ζ) of an island before and after an instant at which they have jumped. `switches`: those that opened there.
-  void after(std::size_t island, double time, const model::Vector& before, const model::Vector& now,
-             const std::vector<std::string>& switches);
+  void jumped_by_switches(const IslandAt& island, const model::Vector& now, const std::vector<std::string>& switches);
   /// W-jump-loses-energy.
-  [[nodiscard]] std::optional<Remark> remark() const;
+  void hand_over(const RunEnd& end, Answer& answer) const;
 
  private:
   [[nodiscard]] std::string broken_currents(const model::StoreValues& stores, const model::Vector& before, const model::Vector& now) const;

@@ -1,6 +1,6 @@
 #include "engine/exact/march.hpp"
 
-#include "engine/exact/transient.hpp"
+#include "engine/exact/exact_run.hpp"
 
 namespace pwlsim::engine {
 
@@ -21,7 +21,7 @@ Answer March::advance(double until, Observer* observer, const Probes& probes) {
   request.non_unique = options_.non_unique;
   request.interrupt = options_.interrupt;
   NoSink sink;
-  Transient transient(model_, request, sink, selectors_, {observer, true, options_.merge});
+  ExactRun transient(model_, request, sink, selectors_, {observer, true, options_.merge});
   Answer answer = transient.run(state_);
   state_ = transient.state();
   return answer;
@@ -37,7 +37,7 @@ Answer March::advance(RunState& state, double length, Observer* observer, const 
 }
 
 Answer March::run(const RunState& from, const Request& request, RowSink& sink) {
-  return Transient(model_, request, sink, selectors_, {}).run(from);
+  return ExactRun(model_, request, sink, selectors_, {}).run(from);
 }
 
 }  // namespace pwlsim::engine

@@ -1,45 +1,39 @@
 #pragma once
 /// Collects the changes at an instant for an observer.
 
-#include "engine/exact/island_run.hpp"
 #include "engine/exact/observer.hpp"
+#include "engine/exact/recorder.hpp"
 
 namespace pwlsim::engine {
 
-class ObserverFeed {
+class ObserverFeed : public Recorder {
  public:
   ObserverFeed(Observer* observer, std::size_t islands) : observer_(observer), place_(observer ? islands : 0, none) {}
 
-  /// The island is open at t = 0.
-  void started(std::size_t island) {
-    if (observer_) begin(island).cause = Cause::start;
+  void started(const IslandAt& island) {
+    if (observer_) begin(island.number).cause = Cause::start;
   }
-  /// The island has been opened; its segment ends. `from_outside`: the reason is not its sources or guards.
-  void opened(std::size_t island, const IslandRun& run, double time, bool from_outside, bool breaks) {
-    if (observer_) take_opening(island, run, time, from_outside, breaks);
+  void opened(const IslandAt& island, const Opening& opening) {
+    if (observer_ && opening.ends_segment) take_opening(island, opening);
   }
-  /// A mode has been selected; there may be further ones at the same instant.
-  void selected(std::size_t island, const IslandRun& run) {
-    if (observer_) take_selection(island, run);
+  void selected(const IslandAt& island, const model::Selected& /*selected*/) {
+    if (observer_) take_selection(island);
   }
-  /// The new segment has begun.
-  void closed(std::size_t island, const IslandRun& run) {
-    if (observer_) take_end(island, run);
+  void closed(const IslandAt& island) {
+    if (observer_) take_end(island);
   }
-  /// All islands are closed again. False: the observer ends the run.
-  bool end(double time, bool has_jump, const std::vector<char>& on);
-  /// The run ends within a segment.
-  void ended(std::size_t island, const IslandRun& run, double time) {
-    if (observer_) end_segment(island, run, time, run.length_before());
+  bool instant_ended(double time, bool has_jump, const std::vector<char>& on);
+  void left(const IslandAt& island) {
+    if (observer_) end_segment(island);
   }
 
  private:
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
   Change& begin(std::size_t island);
-  void take_opening(std::size_t island, const IslandRun& run, double time, bool from_outside, bool breaks);
-  void take_selection(std::size_t island, const IslandRun& run);
-  void take_end(std::size_t island, const IslandRun& run);
-  void end_segment(std::size_t island, const IslandRun& run, double time, double length);
+  void take_opening(const IslandAt& island, const Opening& opening);
+  void take_selection(const IslandAt& island);
+  void take_end(const IslandAt& island);
+  void end_segment(const IslandAt& island);
 
   Observer* observer_;
   std::vector<std::size_t> place_;  ///< of each island in changes_

@@ -34,8 +34,9 @@ EndDerivatives end_derivatives() {
 
 }  // namespace
 
-PieceMaker::PieceMaker(const std::vector<IslandModel>& islands, const Probes& probes, const std::atomic<int>* interrupt)
-    : probes_(probes), interrupt_(interrupt) {
+PieceMaker::PieceMaker(const std::vector<IslandRun>& runs, const std::vector<IslandModel>& islands, const Probes& probes,
+                       const std::atomic<int>* interrupt)
+    : runs_(runs), probes_(probes), interrupt_(interrupt) {
   if (probes.sink == nullptr) return;
   for (std::size_t i = 0; i < islands.size(); ++i) {
     Track track;
@@ -57,7 +58,7 @@ PieceMaker::PieceMaker(const std::vector<IslandModel>& islands, const Probes& pr
   largest_.resize(count);
 }
 
-void PieceMaker::before_start(const std::vector<std::vector<double>>& signals) {
+void PieceMaker::run_begins(const std::vector<std::vector<double>>& signals) {
   if (probes_.sink == nullptr || signals.empty()) return;
   std::vector<double> values(probes_.signals.size());
   for (const Track& track : tracks_)
@@ -65,20 +66,19 @@ void PieceMaker::before_start(const std::vector<std::vector<double>>& signals) {
   probes_.sink->before_start(values);
 }
 
-void PieceMaker::advance(const std::vector<IslandRun>& islands, double time) {
-  if (probes_.sink == nullptr || cut_ || time <= done_) return;
+void PieceMaker::pass_on(double time) {
   const double end = std::min(time, probes_.to);
   double at = std::max(done_, probes_.from);
   done_ = time;
   if (at >= end) return;
   resumes_ = true;
-  for (Track& track : tracks_) follow(track, islands[track.island], at);
+  for (Track& track : tracks_) follow(track, runs_[track.island], at);
   while (at < end) {
     int level = first_level(end - at);
     const int least = always_resolved();
     for (fill(level); level > least && !resolved(std::ldexp(1.0, level)); fill(level)) --level;
     const double next = std::min(end, at + std::ldexp(1.0, level));
-    hand_over(at, next, level);
+    hand_over_piece(at, next, level);
     if (next - at < tolerance::piece_crowding * (probes_.to - probes_.from)) ++short_;
     cut_ = interrupt_ && interrupt_->load(std::memory_order_relaxed) != 0;
     if (cut_) cut_at_ = next;
@@ -225,7 +225,7 @@ bool PieceMaker::resolved(double length) const {
   return true;
 }
 
-void PieceMaker::hand_over(double from, double to, int level) {
+void PieceMaker::hand_over_piece(double from, double to, int level) {
   for (std::size_t probe = 0; probe < largest_.size(); ++probe)
     for (std::size_t i = 0; i < points; ++i) largest_[probe] = std::max(largest_[probe], std::abs(values_[probe * points + i]));
   for (Track& track : tracks_) {

@@ -15,21 +15,25 @@
 #include <vector>
 
 #include "engine/exact/exact_model.hpp"
-#include "engine/exact/island_run.hpp"
+#include "engine/exact/recorder.hpp"
 #include "engine/run.hpp"
 #include "linalg/legendre.hpp"
 
 namespace pwlsim::engine {
 
-class PieceMaker {
+class PieceMaker : public Recorder {
  public:
   /// `interrupt` (may be null): if nonzero, no more pieces are passed on.
-  PieceMaker(const std::vector<IslandModel>& islands, const Probes& probes, const std::atomic<int>* interrupt);
+  PieceMaker(const std::vector<IslandRun>& runs, const std::vector<IslandModel>& islands, const Probes& probes,
+             const std::atomic<int>* interrupt);
 
-  /// Each island's share of its signals at the operating point; empty if the run starts elsewhere.
-  void before_start(const std::vector<std::vector<double>>& signals);
+  /// To the sink: the signals at the operating point; nothing if the run starts elsewhere.
+  void run_begins(const std::vector<std::vector<double>>& signals);
+  void opens(const IslandAt& island, double /*length*/) { run_ended(island.time); }
   /// Passes on the pieces before `time`, up to which no island has opened since the last call.
-  void advance(const std::vector<IslandRun>& islands, double time);
+  void run_ended(double time) {
+    if (probes_.sink != nullptr && !cut_ && time > done_) pass_on(time);
+  }
   /// Whether it was interrupted before all pieces were passed on, and at which time.
   [[nodiscard]] bool is_cut() const { return cut_; }
   [[nodiscard]] double cut_at() const { return cut_at_; }
@@ -66,6 +70,7 @@ class PieceMaker {
     bool is_fresh = false;  ///< nothing of the segment has been passed on
   };
 
+  void pass_on(double time);
   void follow(Track& track, const IslandRun& run, double time);
   [[nodiscard]] std::unique_ptr<ModeRows> rows_of(const Track& track, const model::Mode& mode) const;
   const Interval& interval_of(Track& track, int level);
@@ -73,10 +78,11 @@ class PieceMaker {
   [[nodiscard]] int always_resolved() const;
   void fill(int level);
   [[nodiscard]] bool resolved(double length) const;
-  void hand_over(double from, double to, int level);
+  void hand_over_piece(double from, double to, int level);
   void step(double end, int level);
   static void advance(Track& track, const linalg::Matrix& m, double factor);
 
+  const std::vector<IslandRun>& runs_;
   const Probes& probes_;
   const std::atomic<int>* interrupt_;
   std::vector<Track> tracks_;

@@ -13,7 +13,7 @@ void PortWatch::read_ports() {
   }
 }
 
-void PortWatch::begin() {
+void PortWatch::run_has_begun() {
   if (watcher_ == nullptr) return;
   std::vector<std::string> elements;
   for (const IslandRun& island : islands_)

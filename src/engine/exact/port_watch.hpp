@@ -4,17 +4,17 @@
 #include <string>
 #include <vector>
 
-#include "engine/exact/island_run.hpp"
+#include "engine/exact/recorder.hpp"
 #include "engine/run.hpp"
 
 namespace pwlsim::engine {
 
-class PortWatch {
+class PortWatch : public Recorder {
  public:
   /// Nothing is reported if `watcher` is null.
   PortWatch(const std::vector<IslandRun>& islands, EventWatcher* watcher) : islands_(islands), watcher_(watcher) {}
 
-  void begin();
+  void run_has_begun();
   void happened(const Event& event);
 
  private:

@@ -34,19 +34,17 @@ ProbeImpulses::ProbeImpulses(const std::vector<IslandModel>& islands, const Prob
   }
 }
 
-void ProbeImpulses::before(std::size_t island, const std::vector<double>& x) {
-  if (shares_[island].empty()) return;
-  const model::System& system = islands_[island].extraction.system;
-  zeta_ = Eigen::Map<const model::Vector>(x.data() + system.n, system.n_zeta);
+void ProbeImpulses::keep(const IslandAt& island) {
+  const model::System& system = island.run.system();
+  zeta_ = Eigen::Map<const model::Vector>(island.run.x.data() + system.n, system.n_zeta);
 }
 
-void ProbeImpulses::sources_jumped(std::size_t island, const std::vector<double>& x) {
-  if (shares_[island].empty()) return;
-  const model::System& system = islands_[island].extraction.system;
-  const Eigen::Map<const model::Vector> after(x.data() + system.n, system.n_zeta);
+void ProbeImpulses::add_edges(const IslandAt& island) {
+  const model::System& system = island.run.system();
+  const Eigen::Map<const model::Vector> after(island.run.x.data() + system.n, system.n_zeta);
   const model::Vector change = after - zeta_;
   const model::Vector size = after.cwiseAbs() + zeta_.cwiseAbs();
-  for (const Share& share : shares_[island]) add(share.probe, share.row->edge.dot(change), share.row->edge.cwiseAbs().dot(size));
+  for (const Share& share : shares_[island.number]) add(share.probe, share.row->edge.dot(change), share.row->edge.cwiseAbs().dot(size));
 }
 
 void ProbeImpulses::add(std::size_t probe, double value, double terms) {
@@ -56,7 +54,7 @@ void ProbeImpulses::add(std::size_t probe, double value, double terms) {
 }
 
 /// Where derivatives of impulses acted, those of first order are not all there is.
-void ProbeImpulses::ports_jumped(std::size_t island, const model::Selected& selected) {
+void ProbeImpulses::add_impulses(std::size_t island, const model::Selected& selected) {
   const model::Details& details = *selected.details;
   for (const Share& share : shares_[island]) {
     const model::OutputRow& row = *share.row;
@@ -66,11 +64,10 @@ void ProbeImpulses::ports_jumped(std::size_t island, const model::Selected& sele
   }
 }
 
-void ProbeImpulses::end(double time, bool wanted) {
-  if (!any_) return;
+void ProbeImpulses::pass_on(double time, bool impulses_count) {
   for (std::size_t probe = 0; probe < values_.size(); ++probe)
     if (std::abs(values_[probe]) <= tolerance::probe_impulse * terms_[probe]) values_[probe] = 0.0;
-  if (wanted) probes_.sink->impulse(time, values_);
+  if (impulses_count) probes_.sink->impulse(time, values_);
   std::fill(values_.begin(), values_.end(), 0.0);
   std::fill(terms_.begin(), terms_.end(), 0.0);
   any_ = false;

@@ -5,25 +5,34 @@
 #include <vector>
 
 #include "engine/exact/exact_model.hpp"
+#include "engine/exact/recorder.hpp"
 #include "engine/run.hpp"
-#include "model/selection.hpp"
 
 namespace pwlsim::engine {
 
-class ProbeImpulses {
+class ProbeImpulses : public Recorder {
  public:
   ProbeImpulses(const std::vector<IslandModel>& islands, const Probes& probes);
 
-  /// The state x = (ξ, ζ) of an island left of the instant.
-  void before(std::size_t island, const std::vector<double>& x);
-  /// Its sources have jumped: ζ is now that after the instant.
-  void sources_jumped(std::size_t island, const std::vector<double>& x);
-  /// A selection in it has jumped.
-  void ports_jumped(std::size_t island, const model::Selected& selected);
-  /// The instant has ended; `wanted`: pass the impulses to the sink.
-  void end(double time, bool wanted);
+  void opened(const IslandAt& island, const Opening& /*opening*/) {
+    if (!shares_[island.number].empty()) keep(island);
+  }
+  void sources_jumped(const IslandAt& island) {
+    if (!shares_[island.number].empty()) add_edges(island);
+  }
+  void selected(const IslandAt& island, const model::Selected& selected) {
+    if (selected.jumps > 0) add_impulses(island.number, selected);
+  }
+  void settled(double time, bool impulses_count) {
+    if (any_) pass_on(time, impulses_count);
+  }
 
  private:
+  void keep(const IslandAt& island);
+  void add_edges(const IslandAt& island);
+  void add_impulses(std::size_t island, const model::Selected& selected);
+  void pass_on(double time, bool impulses_count);
+
   struct Share {
     const model::OutputRow* row = nullptr;
     std::size_t probe = 0;

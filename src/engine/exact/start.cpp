@@ -268,7 +268,7 @@ bool starts_where_told(const IslandModel& island) {
 
 /// Islands as `.ic` forces them, by number. Null where that contradicts them; `start` says so.
 using Forced = std::map<std::size_t, model::Extraction>;
-std::optional<Forced> forced_islands(const ExactModel& model, Start& start) {
+std::optional<Forced> forced_islands(const ExactModel& model, RunStart& start) {
   Forced forced;
   for (std::size_t i = 0; i < model.islands.size(); ++i) {
     if (!has_conditions(model.islands[i].island)) continue;
@@ -287,7 +287,8 @@ std::optional<Forced> forced_islands(const ExactModel& model, Start& start) {
 }
 
 /// The island's state, and its signals before t = 0 where `has_before`. `system`: the one that was solved, or as it is forced.
-void take_solution(const IslandModel& island, const model::System& system, const StaticSolution& solution, bool has_before, Start& start) {
+void take_solution(const IslandModel& island, const model::System& system, const StaticSolution& solution, bool has_before,
+                   RunStart& start) {
   const model::System& s = island.extraction.system;
   if (!solution.unique)
     start.answer.remarks.push_back(
@@ -305,8 +306,8 @@ void take_solution(const IslandModel& island, const model::System& system, const
 
 }  // namespace
 
-Start start_from_operating_point(const ExactModel& model) {
-  Start start;
+RunStart start_from_operating_point(const ExactModel& model) {
+  RunStart start;
   const std::optional<Forced> forced = forced_islands(model, start);
   if (!forced) return start;
   std::vector<const model::System*> systems;
@@ -327,8 +328,8 @@ Start start_from_operating_point(const ExactModel& model) {
   return start;
 }
 
-Start start_from_initial_values(const ExactModel& model) {
-  Start start;
+RunStart start_from_initial_values(const ExactModel& model) {
+  RunStart start;
   for (const auto& s : model.switches) start.on.push_back(s.initially_on);
   for (const auto& island : model.islands) start.xi.push_back(projected_initial_state(island, island.island, start.answer.remarks));
   for (const auto& island : model.left_out) projected_initial_state(island, island.island, start.answer.remarks);

@@ -9,15 +9,15 @@
 namespace pwlsim::engine {
 
 /// Signals are known only for an operating point.
-struct Start : RunState {
+struct RunStart : RunState {
   Answer answer;        ///< outcome and remarks
   MissingRest missing;  ///< operating point only: parts that have none start from `.ic` values, and zero elsewhere
 };
 
 /// Sources at their value just before t = 0, capacitors open, inductors short, complementarity satisfied, `.ic` values forced.
-[[nodiscard]] Start start_from_operating_point(const ExactModel& model);
+[[nodiscard]] RunStart start_from_operating_point(const ExactModel& model);
 
 /// `ic=` and `.ic` values, zero elsewhere.
-[[nodiscard]] Start start_from_initial_values(const ExactModel& model);
+[[nodiscard]] RunStart start_from_initial_values(const ExactModel& model);
 
 }  // namespace pwlsim::engine

@@ -186,7 +186,7 @@ bool ExactSegment::has_digits() {
   return is_known(terms.voltage, voltage_, first.voltage) && is_known(terms.other, current_, first.other);
 }
 
-ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
+ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start) {
   double length = std::max(usual_length(start.on, start.longest), least_share * usual_length(start.on, stop_));
   expected_ = std::min(length, start.longest);
   for (int cut = 0; cut < most_cuts && length > tolerance::shortest_segment * stop_; ++cut) {
@@ -211,7 +211,7 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Start& start) {
   return Opened::unresolved;
 }
 
-double ExactSegment::step(Factors& factors, const Start& start, std::vector<double>& z) {
+double ExactSegment::step(Factors& factors, const Origin& start, std::vector<double>& z) {
   key_ = key(start.on);
   sources_.states(start.time, zeta_);
   const double shift = shift_for(usual_length(start.on, start.longest));
@@ -230,7 +230,7 @@ bool ExactSegment::take_back(double h, std::vector<double>& z) {
   return true;
 }
 
-ExactSegment::Opened ExactSegment::open(Factors& factors, const Start& start) {
+ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start) {
   start_ = start.time;
   on_ = start.on;
   voltage_ = largest(std::span(start.z).first(static_cast<std::size_t>(descriptor_.nodes())));

@@ -31,7 +31,7 @@ class ExactSegment {
   /// States come from a jump at which voltages were as large as this: their rounding is of it. 0: no longer.
   void note_jump(double voltage) { jump_voltage_ = voltage; }
 
-  struct Start {
+  struct Origin {
     double time = 0.0;
     const Position& on;
     const std::vector<double>& z;
@@ -41,12 +41,12 @@ class ExactSegment {
   };
   /// contradicted: the position is none of the network. unresolved: not even the shortest segment meets the tolerance.
   enum class Opened { yes, singular, contradicted, unresolved };
-  [[nodiscard]] Opened open(Factors& factors, const Start& start);
+  [[nodiscard]] Opened open(Factors& factors, const Origin& start);
 
   /// An implicit Euler step over a jump, h, s: z := its end, sources included. 0: it has no digits. As S = (1 − h A)⁻¹ P, a segment that begins with z and is taken
   /// back by that step, to (1 − h A) z, begins with what the jump P leads to, whatever h: impulses may be as small as a long step makes them. False: h is too long for
   /// what decays in the segment.
-  [[nodiscard]] double step(Factors& factors, const Start& start, std::vector<double>& z);
+  [[nodiscard]] double step(Factors& factors, const Origin& start, std::vector<double>& z);
   [[nodiscard]] bool take_back(double h, std::vector<double>& z);
 
   /// After `open`, where states jump: what impulses make of the unknowns in a step of the segment's own.
@@ -129,7 +129,7 @@ class ExactSegment {
   };
   [[nodiscard]] static std::string key(const Position& on) { return {on.begin(), on.end()}; }
   [[nodiscard]] double shift_for(double length);
-  [[nodiscard]] Opened build(Factors& factors, const Start& start);
+  [[nodiscard]] Opened build(Factors& factors, const Origin& start);
   [[nodiscard]] bool resolve();
   [[nodiscard]] bool is_cut_within(const std::vector<KrylovSpace::Checkpoint>& points);
   void look(double reach, Located& located);

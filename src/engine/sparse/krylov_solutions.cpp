@@ -60,7 +60,7 @@ void KrylovSpace::settle(std::vector<double>& z, const Vector& zeta) {
 }
 
 /// Right-hand side of S z − z at the start, in right_.
-void KrylovSpace::begin_change(const Start& start, const Vector& zeta) {
+void KrylovSpace::begin_change(const Origin& start, const Vector& zeta) {
   change_.take(start.z, start.more, zeta, shift_);
   right_ = change_.right();
   const Descriptor::Closing* closing = factor_->closing() ? &*factor_->closing() : nullptr;

@@ -47,7 +47,7 @@ void KrylovSpace::reserve(int columns) {
   measured_.conservativeResize(static_cast<Eigen::Index>(state_weight_.size()) + zetas, cols);
 }
 
-KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const Position& on, const Start& start, double size) {
+KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const Position& on, const Origin& start, double size) {
   factor_ = &factor;
   shift_ = shift;
   on_ = on;

@@ -32,14 +32,14 @@ class KrylovSpace {
   /// Unknowns of that size, in volts, are not small: where all are smaller a position may hold at zero what is rounding.
   void note_least_voltage(double least) { least_ = least; }
   /// The point to start from: E z + more are charges and fluxes; z itself need not satisfy the position.
-  struct Start {
+  struct Origin {
     const std::vector<double>& z;
     const std::vector<double>& more;  ///< may be empty
     const std::vector<double>& zeta;  ///< all zero: z is a deviation of two motions
   };
   enum class Begun { yes, contradicted };
   /// The factor must last until the last `grow`. `size`: √energy that counts, at least.
-  [[nodiscard]] Begun begin(const Factor& factor, double shift, const Position& on, const Start& start, double size);
+  [[nodiscard]] Begun begin(const Factor& factor, double shift, const Position& on, const Origin& start, double size);
   /// Takes the space to m vectors, or to where it is full.
   void grow(int m);
   /// Back to m vectors, which is then all there is: what came after them was rounding.
@@ -102,7 +102,7 @@ class KrylovSpace {
   void rates(const double* y, std::vector<double>& k);
 
  private:
-  void begin_change(const Start& start, const linalg::Vector& zeta);
+  void begin_change(const Origin& start, const linalg::Vector& zeta);
   void solve(std::vector<double>& r, const linalg::Vector& zeta);
   void settle(std::vector<double>& z, const linalg::Vector& zeta);
   void correct(std::vector<double>& z, const linalg::Vector& w, double one);

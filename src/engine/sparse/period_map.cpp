@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/sparse/transient.hpp"
+#include "engine/sparse/sparse_run.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -40,7 +40,7 @@ Answer PeriodMap::advance(State& state, double length, bool records) {
   request.use_initial_conditions = true;
   request.interrupt = interrupt_;
   NoRows none;
-  Transient transient(model_->parts, model_->signals, request, segment_tolerance, Block::Method::segments, none);
+  SparseRun transient(model_->parts, model_->signals, request, segment_tolerance, PartRun::Method::segments, none);
   transient.begin_lap(records ? &last_ : nullptr);
   Answer answer = transient.run(state);
   if (answer.outcome == Outcome::completed) state = transient.ends();
@@ -48,13 +48,13 @@ Answer PeriodMap::advance(State& state, double length, bool records) {
 }
 
 Answer PeriodMap::run(const State& from, const Request& request, RowSink& sink) const {
-  return Transient(model_->parts, model_->signals, request, segment_tolerance, Block::Method::segments, sink).run(from);
+  return SparseRun(model_->parts, model_->signals, request, segment_tolerance, PartRun::Method::segments, sink).run(from);
 }
 
 Vector PeriodMap::unknowns(const State& state) const {
   Vector z(size_);
   Eigen::Index first = 0;
-  for (const Start& part : state) {
+  for (const PartStart& part : state) {
     const auto count = static_cast<Eigen::Index>(part.unknowns.size());
     z.segment(first, count) = Eigen::Map<const Vector>(part.unknowns.data(), count);
     first += count;
@@ -64,7 +64,7 @@ Vector PeriodMap::unknowns(const State& state) const {
 
 void PeriodMap::move_to(State& state, const Vector& unknowns) const {
   Eigen::Index first = 0;
-  for (Start& part : state) {
+  for (PartStart& part : state) {
     const auto count = static_cast<Eigen::Index>(part.unknowns.size());
     Eigen::Map<Vector>(part.unknowns.data(), count) = unknowns.segment(first, count);
     first += count;

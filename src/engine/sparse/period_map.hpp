@@ -17,7 +17,7 @@ namespace pwlsim::engine::sparse {
 class PeriodMap {
  public:
   /// Just before t = 0, one a part.
-  using State = std::vector<Start>;
+  using State = std::vector<PartStart>;
 
   explicit PeriodMap(std::shared_ptr<const SparseModel> model, const std::atomic<int>* interrupt = nullptr);
 

@@ -7,7 +7,7 @@
 #include "engine/from_start.hpp"
 #include "engine/left_out.hpp"
 #include "engine/sparse/sparse_model.hpp"
-#include "engine/sparse/transient.hpp"
+#include "engine/sparse/sparse_run.hpp"
 #include "model/islands.hpp"
 #include "model/structure_errors.hpp"
 
@@ -74,11 +74,11 @@ std::shared_ptr<const SparseModel> prepare(const model::Network& network, Diagno
 
 namespace {
 
-Answer run_by(Block::Method method, const SparseModel& model, const Request& request, double reltol, RowSink& sink) {
+Answer run_by(PartRun::Method method, const SparseModel& model, const Request& request, double reltol, RowSink& sink) {
   const auto began = std::chrono::steady_clock::now();
   const Starts starts = starts_of(model, request.use_initial_conditions);
   Answer answer = run_from_start(request, began, starts, [&](const Starts& from) {
-    return Transient(model.parts, model.signals, request, reltol, method, sink).run(from.parts);
+    return SparseRun(model.parts, model.signals, request, reltol, method, sink).run(from.parts);
   });
   answer.remarks.insert(answer.remarks.begin(), model.remarks.begin(), model.remarks.end());
   return answer;
@@ -87,11 +87,11 @@ Answer run_by(Block::Method method, const SparseModel& model, const Request& req
 }  // namespace
 
 Answer run(const SparseModel& model, const Request& request, double reltol, RowSink& sink) {
-  return run_by(Block::Method::steps, model, request, reltol, sink);
+  return run_by(PartRun::Method::steps, model, request, reltol, sink);
 }
 
 Answer run_segments(const SparseModel& model, const Request& request, double reltol, RowSink& sink) {
-  return run_by(Block::Method::segments, model, request, reltol, sink);
+  return run_by(PartRun::Method::segments, model, request, reltol, sink);
 }
 
 OperatingPoint operating_point(const SparseModel& model) {

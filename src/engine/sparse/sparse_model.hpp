@@ -19,7 +19,7 @@ class SparseModel {
 struct Starts {
   Answer answer;  ///< of the first part that cannot start
   MissingRest missing;
-  std::vector<Start> parts;
+  std::vector<PartStart> parts;
 };
 
 /// From initial values, or the operating point.

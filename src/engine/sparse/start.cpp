@@ -136,8 +136,8 @@ bool is_regular(const Network& network, const Descriptor& descriptor) {
 
 }  // namespace
 
-Start start_from_initial_values(const Network& network, const Descriptor& descriptor) {
-  Start start;
+PartStart start_from_initial_values(const Network& network, const Descriptor& descriptor) {
+  PartStart start;
   start.on = first_position(network, descriptor);
   const Network initial = model::with_initial_values(network);
   for (const auto& c : initial.capacitors) start.states.push_back(c.initial_voltage);
@@ -145,10 +145,10 @@ Start start_from_initial_values(const Network& network, const Descriptor& descri
   return start;
 }
 
-Start start_from_operating_point(const Network& network, const Descriptor& descriptor) {
+PartStart start_from_operating_point(const Network& network, const Descriptor& descriptor) {
   const bool told = std::any_of(network.capacitors.begin(), network.capacitors.end(), [](const auto& c) { return c.starts_there; });
   if (told) return start_from_initial_values(network, descriptor);
-  Start start;
+  PartStart start;
   const Network forced = model::with_held_conditions(network);
   const Descriptor system(forced);
   RestFinder point(forced, system);

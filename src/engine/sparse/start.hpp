@@ -10,7 +10,7 @@
 
 namespace pwlsim::engine::sparse {
 
-struct Start {
+struct PartStart {
   Answer answer;               ///< outcome and remarks
   std::vector<double> states;  ///< in the order of Descriptor::states, in volts
   Position on;
@@ -21,10 +21,10 @@ struct Start {
 };
 
 /// `ic=` and `.ic` values, zero elsewhere.
-[[nodiscard]] Start start_from_initial_values(const model::Network& network, const Descriptor& descriptor);
+[[nodiscard]] PartStart start_from_initial_values(const model::Network& network, const Descriptor& descriptor);
 
 /// Sources at their value just before t = 0, complementarity satisfied, `.ic` values forced: implicit Euler steps of ever larger size from
 /// empty stores, until nothing changes. What is not determined (a loop without resistance, a floating capacitor) stays as empty as it can be.
-[[nodiscard]] Start start_from_operating_point(const model::Network& network, const Descriptor& descriptor);
+[[nodiscard]] PartStart start_from_operating_point(const model::Network& network, const Descriptor& descriptor);
 
 }  // namespace pwlsim::engine::sparse

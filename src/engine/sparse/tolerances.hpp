@@ -72,7 +72,7 @@ inline constexpr double solution_rounding = 4e-16;
 /// Of: the largest voltage, and the largest current.
 /// Why: the digits that segments have: unknowns below it are zero to the certificate.
 inline constexpr double unknown_rounding = 1e-11;
-/// Of: the size of a saved signal (Block::signal_size).
+/// Of: the size of a saved signal (PartRun::signal_size).
 /// Why: some thousand roundings: a smaller value may be nothing else.
 inline constexpr double signal_rounding = 1e-12;
 

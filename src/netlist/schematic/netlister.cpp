@@ -72,7 +72,7 @@ class Netlister {
   }
 
  private:
-  struct Block {
+  struct SheetBlock {
     std::string name;
     std::filesystem::path file;
     std::vector<std::string> ports;
@@ -95,7 +95,7 @@ class Netlister {
     }
   }
 
-  void write_elements(const Sheet& sheet, const std::filesystem::path& folder, const Block& block) {
+  void write_elements(const Sheet& sheet, const std::filesystem::path& folder, const SheetBlock& block) {
     std::vector<Placed> placed;
     for (const Instance& instance : sheet.instances) place(instance, sheet, folder, placed);
     std::vector<GridPoint> pins;
@@ -113,7 +113,7 @@ class Netlister {
     if (drawing_ != nullptr) add_drawing(draw_sheet(sheet, placed, nets), block);
   }
 
-  void add_drawing(DrawnSheet drawn, const Block& block) {
+  void add_drawing(DrawnSheet drawn, const SheetBlock& block) {
     drawn.block = block.name;
     drawn.ports = block.ports;
     drawing_->push_back(std::move(drawn));
@@ -160,7 +160,7 @@ class Netlister {
     }
     element.block = node_name(without_folder(name));
     if (blocks_.insert(without_case(element.block)).second) {
-      Block block{element.block, file, {}};
+      SheetBlock block{element.block, file, {}};
       for (const auto& pin : found.symbol->pins)
         if (pin) block.ports.push_back(is_ground_name(pin->name) ? "0" : node_name(pin->name));
       waiting_.push_back(std::move(block));
@@ -181,7 +181,7 @@ class Netlister {
   }
 
   void write_block() {
-    const Block block = waiting_.back();
+    const SheetBlock block = waiting_.back();
     waiting_.pop_back();
     FileBytes file = read_file(block.file);
     DecodedText decoded = decode(std::move(file.bytes));
@@ -219,7 +219,7 @@ class Netlister {
   std::set<char> kinds_;
   std::set<std::string> models_, blocks_;
   std::vector<Library> libraries_;
-  std::vector<Block> waiting_;
+  std::vector<SheetBlock> waiting_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "engine/exact/certificate.hpp"
+#include "engine/exact/segment_certifier.hpp"
 
 #include <algorithm>
 #include <array>
@@ -158,11 +158,11 @@ EnergyBalance energy_balance(const IslandModel& island, const model::Mode& mode,
 
 }  // namespace
 
-void CertificateRecorder::start(const IslandModel& island, const double* x) {
-  starts_.emplace_back(&island, Eigen::Map<const Vector>(x, island.extraction.system.size()));
+void SegmentCertifier::start_is_known(const IslandAt& island) {
+  starts_.emplace_back(&island.run.model(), Eigen::Map<const Vector>(island.run.x.data(), island.run.system().size()));
 }
 
-void CertificateRecorder::add(const IslandModel& island, const Segment& segment, double length) {
+void SegmentCertifier::add(const IslandModel& island, const Segment& segment, double length) {
   const auto keep = [&](std::vector<Sample>& list) {
     const auto ny = static_cast<std::ptrdiff_t>(segment.mode->ny);
     list.push_back({&island, segment.mode, {segment.y0.begin(), segment.y0.begin() + ny}, length});
@@ -184,13 +184,13 @@ struct Worst {
   Vector row, rate;
   double port = 0.0, energy = 0.0;
 
-  void include(const CertificateRecorder::Sample& sample);
+  void include(const SegmentCertifier::Sample& sample);
   void judge(const IslandModel& island, Certificate& certificate) const;
 };
 
 constexpr double checked_at[] = {0.0, 0.5, 1.0};  ///< of a segment
 
-void Worst::include(const CertificateRecorder::Sample& sample) {
+void Worst::include(const SegmentCertifier::Sample& sample) {
   std::vector<double> work(2 * sample.y0.size());
   for (const double share : checked_at) {
     std::vector<double> y = sample.y0;
@@ -220,7 +220,7 @@ void Worst::judge(const IslandModel& island, Certificate& certificate) const {
 
 }  // namespace
 
-Certificate CertificateRecorder::check() const {
+Certificate SegmentCertifier::check() const {
   Certificate certificate;
   std::map<const IslandModel*, Worst> islands;
   for (const auto* list : {&first_visits_, &samples_})

@@ -13,9 +13,9 @@ namespace pwlsim::engine::sparse {
 ///  - KCL/KVL: every row of  k + G z + H w + g  at the end of a step, k the rate of E z, against its largest term of the run;
 ///  - energy: change of ½ zᵀE z over a step minus ∫ zᵀ k by the method's own weights: the energy that a step loses or gains, which is of the size of
 ///    its local error.
-class CertificateRecorder {
+class StepCertifier {
  public:
-  explicit CertificateRecorder(const Descriptor& descriptor) : descriptor_(descriptor), stores_(descriptor.memory_diagonal()) {}
+  explicit StepCertifier(const Descriptor& descriptor) : descriptor_(descriptor), stores_(descriptor.memory_diagonal()) {}
   /// From now on ports and rows at zero may be so to rounding: of the largest unknowns, and of this voltage.
   void allow_rounding(double least) { least_ = least; }
   /// A step of TR-BDF2, of which the part up to `reached` was used.

@@ -1,9 +1,9 @@
-/// Block: where guards pass zero in a step.
+/// PartRun: where guards pass zero in a step.
 #include <algorithm>
 #include <cmath>
 
 #include "base/arithmetic.hpp"
-#include "engine/sparse/block.hpp"
+#include "engine/sparse/part_run.hpp"
 #include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -37,24 +37,24 @@ double first_passage(double a, double b, double c, double reach, double toleranc
 
 }  // namespace
 
-double Block::margin(std::size_t index, bool is_control, const Point& at) const {
+double PartRun::margin(std::size_t index, bool is_control, const Point& at) const {
   if (!is_control) return descriptor_.ports()[index].free_variable(point_.on[index] != 0, at.z.data(), at.w.data());
   return controls_[index].margin(point_.on, controls_[index].value.value(at.z.data(), at.w.data()));
 }
 
-double Block::margin_size(std::size_t index, bool is_control) const {
+double PartRun::margin_size(std::size_t index, bool is_control) const {
   if (is_control) return std::max(controls_[index].level_size(), controls_[index].largest);
   return point_.on[index] != 0 ? ports_.input_size(0.0) : ports_.scale().slack;
 }
 
-double Block::largest_input(const Point& at) const {
+double PartRun::largest_input(const Point& at) const {
   double most = 0.0;
   for (const Port& port : descriptor_.ports()) most = std::max(most, std::abs(at.z[static_cast<std::size_t>(port.row)]));
   return most;
 }
 
 /// What passes its zero in the part `reach` of a step of length h (trial_), the first to do so first.
-std::vector<Block::Crossing> Block::crossings(double h, double reach) {
+std::vector<PartRun::Crossing> PartRun::crossings(double h, double reach) {
   std::vector<Crossing> result;
   const double input = ports_.input_size(largest_input(trial_.end)), shift = 1.0 / (diagonal * h), unknown = largest(point_.z);
   const double voltage = std::max(ports_.largest_voltage(point_.z), ports_.largest_voltage(trial_.end.z));
@@ -84,7 +84,7 @@ std::vector<Block::Crossing> Block::crossings(double h, double reach) {
 }
 
 /// Goes to the first of the crossings; what passes there may change sides next.
-bool Block::cut(double h, const std::vector<Crossing>& list, double reach) {
+bool PartRun::cut(double h, const std::vector<Crossing>& list, double reach) {
   const Crossing& first = list.front();
   position_before_ = point_.on;
   if (first.at > 0.0 && !passive_ && stall_.idle_passages() < most_idle_located) {
@@ -99,7 +99,7 @@ bool Block::cut(double h, const std::vector<Crossing>& list, double reach) {
 }
 
 /// Steps taken anew until one ends where a margin is zero to rounding.
-bool Block::locate(double h, Crossing crossing) {
+bool PartRun::locate(double h, Crossing crossing) {
   double low = 0.0, high = 1.0, low_value = margin(crossing.index, crossing.is_control, point_);
   double high_value = margin(crossing.index, crossing.is_control, trial_.end);
   const double tolerance = tolerance::guard_sign * margin_size(crossing.index, crossing.is_control);

@@ -1,4 +1,4 @@
-/// Block: exact segments in place of steps.
+/// PartRun: exact segments in place of steps.
 ///
 /// At an instant the position that the passage leads to is tried at once: in a passive network it is the one that follows where no state jumps in it and no guard departs
 /// downwards. Else Euler steps find the position, those that a segment's first derivatives contradict at other lengths; a state that jumps takes the
@@ -10,8 +10,8 @@
 #include <cmath>
 
 #include "base/arithmetic.hpp"
-#include "engine/sparse/block.hpp"
 #include "engine/sparse/jumps.hpp"
+#include "engine/sparse/part_run.hpp"
 #include "engine/sparse/tolerances.hpp"
 #include "linalg/legendre.hpp"
 
@@ -36,15 +36,15 @@ constexpr std::array<double, 3> inner_points{0.066987298107780677, 0.5, 0.933012
 
 }  // namespace
 
-double Block::room() const { return (next_break() < request_.stop ? next_break() : request_.stop) - point_.time; }
+double PartRun::room() const { return (next_break() < request_.stop ? next_break() : request_.stop) - point_.time; }
 
-ExactSegment::Opened Block::open_segment(const Position& on) {
+ExactSegment::Opened PartRun::open_segment(const Position& on) {
   const double longest = std::max(room(), break_tolerance_);
   return segment_->open(factors_, {point_.time, on, point_.z, start_memory_, longest});
 }
 
 /// Whether the segment in that position goes on from the states as they are.
-bool Block::follows_directly(const Position& candidate) {
+bool PartRun::follows_directly(const Position& candidate) {
   if (!passive_ || starting_) return false;
   if (open_segment(candidate) != ExactSegment::Opened::yes) return false;
   point_.on = candidate;
@@ -52,7 +52,7 @@ bool Block::follows_directly(const Position& candidate) {
 }
 
 /// The position after an Euler step of length h, and its segment.
-Block::Sought Block::seek_segment(const Beginning& beginning, Instant& instant, double h) {
+PartRun::Sought PartRun::seek_segment(const Beginning& beginning, Instant& instant, double h) {
   point_.on = beginning.on;
   instant.mode_change = beginning.instant.mode_change;
   trial_.solved = Solved::yes;
@@ -83,7 +83,7 @@ Block::Sought Block::seek_segment(const Beginning& beginning, Instant& instant, 
 
 /// From a point without a jump, in a position that fits it but for ports at zero: these settle among themselves, in steps of several lengths until the signs of
 /// derivatives confirm what they find.
-bool Block::settle_ties(const std::vector<double>& z, const Position& on, int passing, double h) {
+bool PartRun::settle_ties(const std::vector<double>& z, const Position& on, int passing, double h) {
   std::vector<double> w;
   sources_.evaluate(point_.time, w);
   if (!ties_->find(z, w, on, passing)) return false;
@@ -103,7 +103,7 @@ bool Block::settle_ties(const std::vector<double>& z, const Position& on, int pa
 }
 
 /// Ports whose guards depart downwards change sides, a few rounds.
-bool Block::flip_negative(Position on, int rounds) {
+bool PartRun::flip_negative(Position on, int rounds) {
   const auto ports = descriptor_.first_switch();
   std::vector<Position> seen{on};
   for (int round = 0; round < rounds; ++round) {
@@ -122,7 +122,7 @@ bool Block::flip_negative(Position on, int rounds) {
 
 /// Ports that are free to conduct do, as in the exact engine, where they then carry something and nothing speaks against it: parallel diodes share their current.
 /// Diodes of a part at rest, as those far up a multiplier that has just started, stay off: on, they would all be in dispute at each of its events. False: failed.
-bool Block::share_freely() {
+bool PartRun::share_freely() {
   const Position on = point_.on;
   Position shared = on;
   for (const int port : segment_->free_ports()) shared[static_cast<std::size_t>(port)] = 1;
@@ -149,7 +149,7 @@ bool Block::share_freely() {
   return open_segment(on) == ExactSegment::Opened::yes;
 }
 
-bool Block::find_segment(const Beginning& beginning, Instant& instant) {
+bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
   const Position ahead = std::exchange(position_ahead_, Position{});
   bool found = false;
   const std::vector<double> z = point_.z, memory = start_memory_, states = states_;
@@ -179,13 +179,13 @@ bool Block::find_segment(const Beginning& beginning, Instant& instant) {
 }
 
 /// Where a port passes zero and nothing else happens, no state jumps, and the others stay on their sides but for those at zero.
-bool Block::follows_by_ties(const Beginning& beginning, const Position& candidate) {
+bool PartRun::follows_by_ties(const Beginning& beginning, const Position& candidate) {
   const bool is_passage = passing_ >= 0 && passing_ < descriptor_.first_switch();
   if (!passive_ || starting_ || !is_passage || beginning.instant.source_edge || beginning.instant.mode_change) return false;
   return settle_ties(point_.z, candidate, passing_, euler_length(beginning));
 }
 
-double Block::euler_length(const Beginning& beginning) const {
+double PartRun::euler_length(const Beginning& beginning) const {
   const double usual = segment_->usual_length(beginning.on, std::max(room(), break_tolerance_));
   const double wanted = std::min(euler_share * usual, euler_room * std::max(room(), break_tolerance_));
   return std::exp2(2.0 * std::floor(0.5 * std::log2(wanted)));
@@ -193,7 +193,7 @@ double Block::euler_length(const Beginning& beginning) const {
 
 /// The position after Euler steps of several lengths. A jump that asks ports for impulses backwards is refused, unless steps of all lengths find its position: the shortest would show such an
 /// impulse, so that what moves is over soon, but finite (a current that leaks take over).
-Block::Sought Block::seek_by_steps(const Beginning& beginning, Instant& instant, double h) {
+PartRun::Sought PartRun::seek_by_steps(const Beginning& beginning, Instant& instant, double h) {
   refused_jumps_.clear();
   for (const double scale : euler_scales) {
     const Sought sought = seek_segment(beginning, instant, scale * h);
@@ -208,7 +208,7 @@ Block::Sought Block::seek_by_steps(const Beginning& beginning, Instant& instant,
   return sought;
 }
 
-bool Block::find_after_steps(const Beginning& beginning, Instant& instant) {
+bool PartRun::find_after_steps(const Beginning& beginning, Instant& instant) {
   const double h = euler_length(beginning);
   Beginning from = beginning;
   for (int jumps = 0; jumps < most_jumps; ++jumps) {
@@ -223,7 +223,7 @@ bool Block::find_after_steps(const Beginning& beginning, Instant& instant) {
 }
 
 /// What is not small, of sources and start values; of 1 V where nothing moves at all.
-void Block::note_least_voltage() {
+void PartRun::note_least_voltage() {
   const double most = std::max(largest(states_), source_scale_);
   const double least = tolerance::least_scale * (most > 0.0 ? most : 1.0);
   segment_->note_least_voltage(least);
@@ -231,7 +231,7 @@ void Block::note_least_voltage() {
   certificate_.allow_rounding(least);
 }
 
-bool Block::begin_segment() {
+bool PartRun::begin_segment() {
   const double time = point_.time;
   Instant instant = begin_instant();
   for (const Gate& gate : gates_)
@@ -269,7 +269,7 @@ bool Block::begin_segment() {
   return goes_on;
 }
 
-void Block::finish_instant(const Instant& instant) {
+void PartRun::finish_instant(const Instant& instant) {
   start_memory_.clear();
   if (instant.time > 0.0 && instant.happened()) {
     ++events_;
@@ -280,7 +280,7 @@ void Block::finish_instant(const Instant& instant) {
   starting_ = false;
 }
 
-Point Block::point_of_segment(double tau, double time) {
+Point PartRun::point_of_segment(double tau, double time) {
   Point point;
   point.on = point_.on;
   point.time = time;
@@ -291,10 +291,10 @@ Point Block::point_of_segment(double tau, double time) {
   return point;
 }
 
-bool Block::is_same_instant(double a, double b) const { return std::abs(a - b) <= break_tolerance_; }
+bool PartRun::is_same_instant(double a, double b) const { return std::abs(a - b) <= break_tolerance_; }
 
 /// To the next passage, the next known instant, or as far as the segment reaches; with probes no farther than they are polynomials.
-bool Block::follow_segment() {
+bool PartRun::follow_segment() {
   const double limit = std::min(next_break(), request_.stop);
   const ExactSegment::Passage& passage = segment_->locate(limit - segment_->start());
   const double tau = request_.probes.sink != nullptr ? resolved_until(passage.tau) : passage.tau;
@@ -312,7 +312,7 @@ bool Block::follow_segment() {
   return true;
 }
 
-void Block::record_begin(const Point& first) {
+void PartRun::record_begin(const Point& first) {
   SegmentRecord& record = records_->emplace_back();
   record.jumps = jumps_taken_;
   record.on = point_.on;
@@ -323,7 +323,7 @@ void Block::record_begin(const Point& first) {
   if (records_->size() == 1) record.unknowns_at_begin = first.z;
 }
 
-void Block::record_end(const Point& last, double tau, const ExactSegment::Passage& passage) {
+void PartRun::record_end(const Point& last, double tau, const ExactSegment::Passage& passage) {
   SegmentRecord& record = records_->back();
   record.length = tau;
   record.rates_at_end = last.k;
@@ -337,7 +337,7 @@ void Block::record_end(const Point& last, double tau, const ExactSegment::Passag
 }
 
 /// The guard of a port in its position, or of a control.
-FallingGuard Block::falling(int guard, double rate) const {
+FallingGuard PartRun::falling(int guard, double rate) const {
   const auto number = static_cast<std::size_t>(guard), ports = static_cast<std::size_t>(descriptor_.first_switch());
   if (number >= ports) {
     const Control& control = controls_[number - ports];
@@ -351,7 +351,7 @@ FallingGuard Block::falling(int guard, double rate) const {
   return {{port.slack.z, {}, 0.0}, rate, number};
 }
 
-void Block::pass(const ExactSegment::Passage& passage) {
+void PartRun::pass(const ExactSegment::Passage& passage) {
   restart_due_ = point_.time < request_.stop - tolerance_;
   if (!passage.found) {
     if (point_.time < std::min(next_break(), request_.stop)) segment_->note_end(passage.tau);
@@ -371,14 +371,14 @@ void Block::pass(const ExactSegment::Passage& passage) {
 }
 
 /// Where from segment_tau_ on the probes are polynomials of degree 15, to rounding.
-double Block::resolved_until(double tau) {
+double PartRun::resolved_until(double tau) {
   double end = tau;
   while (end - segment_tau_ > tolerance::shortest_piece * tau && !is_resolved(segment_tau_, end))
     end = segment_tau_ + 0.5 * (end - segment_tau_);
   return end;
 }
 
-bool Block::is_resolved(double from, double to) {
+bool PartRun::is_resolved(double from, double to) {
   const auto& point = linalg::gauss_legendre().point;
   std::vector<double> values(signals_.size() * linalg::legendre_points), first(signals_.size());
   for (std::size_t i = 0; i < linalg::legendre_points; ++i) {

@@ -1,4 +1,4 @@
-#include "engine/exact/transient.hpp"
+#include "engine/exact/exact_run.hpp"
 
 #include <fmt/format.h>
 
@@ -24,7 +24,7 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 }  // namespace
 
-Transient::Transient(const ExactModel& exact_model, const Request& request, RowSink& sink, Selectors& selectors, const Watching& watching)
+ExactRun::ExactRun(const ExactModel& exact_model, const Request& request, RowSink& sink, Selectors& selectors, const Watching& watching)
     : model_(exact_model),
       request_(request),
       watching_(watching),
@@ -52,7 +52,7 @@ Transient::Transient(const ExactModel& exact_model, const Request& request, RowS
     for (auto& island : islands_) island.set_row_step(request.grid.time(1) - request.grid.time(0));
 }
 
-void Transient::make_clocks() {
+void ExactRun::make_clocks() {
   for (std::size_t i = 0; i < islands_.size(); ++i) {
     const model::System& system = islands_[i].system();
     for (const model::Control& control : system.clocked) clocks_.emplace_back(system, control, tolerance_);
@@ -65,7 +65,7 @@ void Transient::make_clocks() {
   }
 }
 
-void Transient::make_groups() {
+void ExactRun::make_groups() {
   std::vector<IslandRun*> order = running_;
   std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) { return a->system().size() < b->system().size(); });
   std::vector<std::size_t> place(islands_.size(), order.size());
@@ -91,13 +91,13 @@ void Transient::make_groups() {
     if (const std::size_t to = place_of_switch(clock.driven()); to < order.size()) groups_[group_of[to]].clocks.push_back(&clock);
 }
 
-Answer Transient::run(const RunState& start) {
+Answer ExactRun::run(const RunState& start) {
   const auto clock = Clock::now();
   answer_.outcome = Outcome::completed;
   if (begin(start)) march();
   if (answer_.outcome == Outcome::completed) rows_before(request_.stop, true);
   take(rows_.flush());
-  recorders_.end_pieces(now_);
+  recorders_.run_ended(now_);
   const PieceMaker& pieces = recorders_.pieces();
   if (pieces.is_cut() && answer_.outcome == Outcome::completed) fail(interrupted(now_));
   answer_.time = now_;
@@ -105,18 +105,18 @@ Answer Transient::run(const RunState& start) {
   for (auto& island : islands_) {
     if (!island.mode || island.is_open()) continue;
     island.look_at_end(now_);
-    recorders_.look_at_controls(number_of(island), now_);
+    recorders_.reached_end(at(island, now_));
     if (answer_.outcome == Outcome::completed) holds(island);
   }
   for (const auto& island : islands_)
-    if (island.mode && !island.is_open()) recorders_.last(number_of(island), now_);
+    if (island.mode && !island.is_open()) recorders_.ends_within(at(island, now_));
   answer_.statistics.seconds_simulate = seconds_since(clock) - rows_.seconds();
   answer_.statistics.rows = rows_.count();
   finish();
   return std::move(answer_);
 }
 
-void Transient::march() {
+void ExactRun::march() {
   for (bool going = !is_ended_by_observer_; going;) {
     const double time = next_instant();
     if (!rows_before(time, false)) break;
@@ -134,27 +134,27 @@ void Transient::march() {
 }
 
 /// Takes an island to the present time, which ends the run within its segment. False: its mode does not hold there.
-bool Transient::leave(IslandRun& island) {
-  recorders_.last(number_of(island), now_);
+bool ExactRun::leave(IslandRun& island) {
+  recorders_.ends_within(at(island, now_));
   island.open(now_, 0.0);
-  recorders_.left(number_of(island), now_);
+  recorders_.left(at(island, now_));
   return holds(island);
 }
 
 /// The other parts, where an event of one ends the run, are taken to that time.
-void Transient::close_others() {
+void ExactRun::close_others() {
   for (IslandRun* island : running_)
     if (!island->is_open() && island->segment().anchor < now_ && !leave(*island)) return;
 }
 
 /// The state just before `stop`, where what happens belongs to the next run.
-void Transient::stop_short() {
+void ExactRun::stop_short() {
   now_ = request_.stop;
   for (IslandRun* island : running_)
     if (!leave(*island)) return;
 }
 
-RunState Transient::state() const {
+RunState ExactRun::state() const {
   RunState state{{}, on_, {}, now_};
   for (const IslandRun& island : islands_) {
     model::Vector x = Eigen::Map<const model::Vector>(island.x.data(), island.system().size());
@@ -166,21 +166,21 @@ RunState Transient::state() const {
 }
 
 /// States as given, switches where the start has them, then the instant itself.
-bool Transient::begin(const RunState& start) {
+bool ExactRun::begin(const RunState& start) {
   if (request_.sampler != nullptr) request_.sampler->begin();
   begin_ = start.time;
   is_start_given_ = request_.use_initial_conditions && start.active.empty();
   on_ = start.on;
   rested_.assign(on_.size(), 0);
   is_ready_.assign(islands_.size(), 0);
-  recorders_.before_start(start.signals);
+  recorders_.run_begins(start.signals);
   for (IslandRun& island : islands_) island.start_sources(begin_);
   for (IslandRun* island : running_) {
     const auto& xi = start.xi[number_of(*island)];
     std::copy(xi.begin(), xi.end(), island->x.begin());
     if (!start.active.empty()) island->wanted = start.active[number_of(*island)];
     island->open_at_start();
-    recorders_.started(number_of(*island));
+    recorders_.started(at(*island, begin_));
   }
   for (std::size_t i = 0; i < on_.size(); ++i) {
     const SwitchInfo& info = model_.switches[i];
@@ -191,19 +191,20 @@ bool Transient::begin(const RunState& start) {
   instant.time = now_ = begin_;
   for (IslandRun* island : running_) {
     island->evaluate_sources(instant.time);
-    recorders_.at_start(number_of(*island));
-    if (island->take_breakpoints(instant.time)) recorders_.sources_jumped(number_of(*island));
-    recorders_.after_start(number_of(*island));
+    const IslandAt start_of_island = at(*island, begin_);
+    recorders_.opened(start_of_island, {});
+    if (island->take_breakpoints(instant.time)) recorders_.sources_jumped(start_of_island);
+    recorders_.start_is_known(start_of_island);
   }
   if (!settle(instant, true)) return false;
-  recorders_.run_has_started();
+  recorders_.run_has_begun();
   if (instant.jumps > 0 && is_start_given_) answer_.remarks.push_back(projected_start());
   return true;
 }
 
 /// A group looks as far as nothing happens to it, whatever happens elsewhere: else an answer would depend, in its last digits, on what other parts run
 /// beside it, that is on what is saved.
-double Transient::next_instant() {
+double ExactRun::next_instant() {
   double horizon = request_.stop;
   if (request_.sampler != nullptr) horizon = std::min(horizon, request_.sampler->next());
   const double limit = horizon;
@@ -219,24 +220,25 @@ double Transient::next_instant() {
   return horizon;
 }
 
-void Transient::open_island(IslandRun& island, Instant& instant) {
+void ExactRun::open_island(IslandRun& island, Instant& instant) {
   Opened& opened = opened_[number_of(island)];
   if (opened == Opened::no) opened = Opened::from_outside;
   // What lies between the last of many events and their limit is no segment.
   const double length = island.is_at_limit(instant.time) ? 0.0 : instant.time - island.segment().anchor;
-  recorders_.opens(number_of(island), instant.time, length);
-  const bool breaks = island.next_break() <= instant.time + tolerance_, ends_segment = RunRecorders::is_new(island);
+  recorders_.opens(at(island, instant.time), length);
+  const Opening opening{!island.is_open() && island.mode != nullptr, opened == Opened::from_outside,
+                        island.next_break() <= instant.time + tolerance_};
   island.open(instant.time, instant.late);
   // What holds nothing but sources has not been brought along.
   if (request_.probes.sink != nullptr && island.is_static() && island.next_break() <= instant.time) island.evaluate_sources(instant.time);
-  recorders_.opened(number_of(island), instant.time, ends_segment, opened == Opened::from_outside, breaks);
+  recorders_.opened(at(island, instant.time), opening);
   if (island.take_breakpoints(instant.time)) {
     instant.source_edge = true;
-    recorders_.sources_jumped(number_of(island));
+    recorders_.sources_jumped(at(island, instant.time));
   }
 }
 
-void Transient::open_event_islands(double time, Instant& instant) {
+void ExactRun::open_event_islands(double time, Instant& instant) {
   std::fill(opened_.begin(), opened_.end(), Opened::no);
   for (IslandRun* island : running_) {
     const bool breaks = island->next_break() <= time + tolerance_;
@@ -247,7 +249,7 @@ void Transient::open_event_islands(double time, Instant& instant) {
 }
 
 /// The signals are those just before what happens at `time`.
-bool Transient::ask_sampler(double time) {
+bool ExactRun::ask_sampler(double time) {
   row(time, sampled_.data());
   settings_.clear();
   if (!request_.sampler->sample(time, std::span(sampled_).subspan(1), settings_)) {
@@ -260,7 +262,7 @@ bool Transient::ask_sampler(double time) {
 }
 
 /// Whether a clock, a breakpoint or an event of an island is due.
-bool Transient::is_due(double time, Instant& instant) const {
+bool ExactRun::is_due(double time, Instant& instant) const {
   bool any = false;
   for (const model::Clock& clock : clocks_) {
     if (clock.next().time > time + tolerance_) continue;
@@ -277,7 +279,7 @@ bool Transient::is_due(double time, Instant& instant) const {
 }
 
 /// The rows before (row_before_) and after an event.
-bool Transient::push_event_rows(double time) {
+bool ExactRun::push_event_rows(double time) {
   row_before_[0] = rows_.begin_event(time);
   std::copy(row_before_.begin(), row_before_.end(), rows_.room());
   if (!accepted(rows_.push())) return false;
@@ -286,7 +288,7 @@ bool Transient::push_event_rows(double time) {
   return accepted(rows_.push());
 }
 
-bool Transient::handle(double time) {
+bool ExactRun::handle(double time) {
   if (request_.sampler != nullptr && request_.sampler->next() <= time + tolerance_ && !ask_sampler(time)) return false;
   Instant instant;
   instant.time = time;
@@ -310,7 +312,7 @@ bool Transient::handle(double time) {
 }
 
 /// What a jump costs where the switches that flipped last have opened.
-void Transient::note_loss(const IslandRun& island, const Instant& instant) {
+void ExactRun::note_loss(const IslandRun& island, const Instant& instant) {
   std::vector<std::string> opened;
   const model::System& system = island.system();
   for (const int i : last_flips_) {
@@ -320,11 +322,11 @@ void Transient::note_loss(const IslandRun& island, const Instant& instant) {
     if ((on_[static_cast<std::size_t>(i)] != 0) == inverted) opened.push_back(info.name);
   }
   const model::Vector now = Eigen::Map<const model::Vector>(island.x.data(), system.size());
-  recorders_.lost(number_of(island), instant.time, now, opened);
+  recorders_.jumped_by_switches(at(island, instant.time), now, opened);
 }
 
 /// A change of label counts when a port that is determined in both modes, and not identically zero, changed sides.
-void Transient::note_mode_changes(Instant& instant) {
+void ExactRun::note_mode_changes(Instant& instant) {
   for (IslandRun* island : running_) {
     const model::Mode* before = modes_before_[number_of(*island)];
     if (island->is_open() && before && island->mode != before && island->changes_visibly(*before)) instant.mode_change = true;
@@ -332,7 +334,7 @@ void Transient::note_mode_changes(Instant& instant) {
 }
 
 /// Rows with a time before `time` (or at it, when inclusive).
-bool Transient::rows_before(double time, bool inclusive) {
+bool ExactRun::rows_before(double time, bool inclusive) {
   while (rows_.is_due(time, inclusive)) {
     const double row_time = rows_.next_time();
     const RowFeed::Pushed pushed = rows_.push_next(*this);
@@ -342,22 +344,22 @@ bool Transient::rows_before(double time, bool inclusive) {
   return true;
 }
 
-void Transient::row(double time, double* row) {
+void ExactRun::row(double time, double* row) {
   std::fill(row, row + rows_.width(), 0.0);
   row[0] = time;
   for (auto& island : islands_) island.add_signals(time, row + 1);
 }
 
-bool Transient::is_interrupted() const { return request_.interrupt && request_.interrupt->load(std::memory_order_relaxed) != 0; }
+bool ExactRun::is_interrupted() const { return request_.interrupt && request_.interrupt->load(std::memory_order_relaxed) != 0; }
 
 /// Whether the run goes on after a row.
-bool Transient::accepted(RowFeed::Pushed pushed) {
+bool ExactRun::accepted(RowFeed::Pushed pushed) {
   if (pushed == RowFeed::Pushed::handed_over && is_interrupted()) fail(interrupted(now_));
   if (pushed == RowFeed::Pushed::handed_over && request_.progress) request_.progress(now_);
   return take(pushed != RowFeed::Pushed::refused) && answer_.outcome == Outcome::completed;
 }
 
-bool Transient::take(bool accepted) {
+bool ExactRun::take(bool accepted) {
   if (!accepted && answer_.outcome == Outcome::completed) fail({Outcome::sink_stopped, "", ""});
   return accepted;
 }

@@ -1,42 +1,42 @@
 #pragma once
-/// The run: all blocks, the one with the least time first, rows in between.
+/// The run: all parts, the one with the least time first, rows in between.
 
 #include <memory>
 #include <vector>
 
 #include "engine/remarks.hpp"
 #include "engine/row_feed.hpp"
-#include "engine/sparse/block.hpp"
 #include "engine/sparse/part.hpp"
+#include "engine/sparse/part_run.hpp"
 
 namespace pwlsim::engine::sparse {
 
-class Transient : private RowSource {
+class SparseRun : private RowSource {
  public:
   /// `signals`: of the whole network. Parts and request must outlive it.
-  Transient(const std::vector<std::unique_ptr<const Part>>& parts, std::size_t signals, const Request& request, double reltol,
-            Block::Method method, RowSink& sink);
+  SparseRun(const std::vector<std::unique_ptr<const Part>>& parts, std::size_t signals, const Request& request, double reltol,
+            PartRun::Method method, RowSink& sink);
   /// Before `run`, of segments: it stops before what happens at its end, and each part records its segments, where `records` is not null.
   void begin_lap(std::vector<std::vector<SegmentRecord>>* records);
   /// One start per part.
-  Answer run(const std::vector<Start>& starts);
+  Answer run(const std::vector<PartStart>& starts);
   /// After `run`, the start of another that goes on from there.
-  [[nodiscard]] std::vector<Start> ends();
+  [[nodiscard]] std::vector<PartStart> ends();
 
  private:
   struct Track {
-    Track(const Part& p, const Request& request, double reltol, Block::Method method)
-        : part(p), block(p, request, reltol, method), values(p.island.signal_number.size()) {}
+    Track(const Part& p, const Request& request, double reltol, PartRun::Method method)
+        : part(p), run(p, request, reltol, method), values(p.island.signal_number.size()) {}
     const Part& part;
-    Block block;
+    PartRun run;
     std::vector<double> values;         ///< of its shares of signals
-    std::vector<int> shares, probes{};  ///< signals of the block that are parts of probes, and of which
+    std::vector<int> shares, probes{};  ///< signals of the part that are parts of probes, and of which
   };
   /// Order of the heap.
   [[nodiscard]] auto is_later() const {
-    return [this](std::size_t a, std::size_t b) { return tracks_[a]->block.time() > tracks_[b]->block.time(); };
+    return [this](std::size_t a, std::size_t b) { return tracks_[a]->run.time() > tracks_[b]->run.time(); };
   }
-  bool begin(const std::vector<Start>& starts);
+  bool begin(const std::vector<PartStart>& starts);
   bool advance_least();
   void row(double time, double* values) override;
   bool fail(const Answer& failure);
@@ -47,7 +47,7 @@ class Transient : private RowSource {
   void note_noise();
   void hand_over_start();
   void hand_over_impulses(const Track& track, double time);
-  void note_before_start(const Track& track, const Start& start);
+  void note_before_start(const Track& track, const PartStart& start);
   bool open_event(Track& track);
   bool close_event();
   void watch_start();
@@ -60,7 +60,7 @@ class Transient : private RowSource {
 
   const Request& request_;
   double reltol_;
-  Block::Method method_;
+  PartRun::Method method_;
   std::vector<std::unique_ptr<Track>> tracks_;
   std::vector<std::size_t> order_;  ///< of tracks_: a heap by time, the least first
   Answer answer_;

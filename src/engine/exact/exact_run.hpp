@@ -13,7 +13,7 @@
 
 namespace pwlsim::engine {
 
-class Transient : private RowSource {
+class ExactRun : private RowSource {
  public:
   /// For partial runs: the observer, whether the instant at `stop` is left to the next run (then only guards have a certificate),
   /// and the distance below which instants are one, s.
@@ -22,7 +22,7 @@ class Transient : private RowSource {
     bool leaves_end_open = false;
     double merge = 0.0;  ///< 0: a fraction of `stop`
   };
-  Transient(const ExactModel& model, const Request& request, RowSink& sink, Selectors& selectors, const Watching& watching);
+  ExactRun(const ExactModel& model, const Request& request, RowSink& sink, Selectors& selectors, const Watching& watching);
   Answer run(const RunState& start);
   /// The state at the end of the run: just before `stop`, or after the instant at which the observer ended it.
   [[nodiscard]] RunState state() const;
@@ -48,6 +48,7 @@ class Transient : private RowSource {
   };
 
   [[nodiscard]] std::size_t number_of(const IslandRun& island) const { return static_cast<std::size_t>(&island - islands_.data()); }
+  [[nodiscard]] IslandAt at(const IslandRun& island, double time) const { return {number_of(island), island, time}; }
   void make_clocks();
   void make_groups();
   bool begin(const RunState& start);

@@ -15,24 +15,24 @@
 #include <unordered_set>
 
 #include "engine/remarks.hpp"
-#include "engine/sparse/certificate.hpp"
 #include "engine/sparse/controls.hpp"
 #include "engine/sparse/exact_segment.hpp"
 #include "engine/sparse/part.hpp"
 #include "engine/sparse/segment_record.hpp"
 #include "engine/sparse/stall_watch.hpp"
 #include "engine/sparse/start.hpp"
+#include "engine/sparse/step_certifier.hpp"
 #include "engine/sparse/stretch.hpp"
 #include "engine/sparse/tie_selector.hpp"
 
 namespace pwlsim::engine::sparse {
 
-class Block {
+class PartRun {
  public:
   /// Implicit steps, or exact segments between located events.
   enum class Method { steps, segments };
-  /// The part must outlive the block.
-  Block(const Part& part, const Request& request, double reltol, Method method);
+  /// The part must outlive the run.
+  PartRun(const Part& part, const Request& request, double reltol, Method method);
 
   [[nodiscard]] const Descriptor& descriptor() const { return descriptor_; }
   /// Of a lap: each segment goes there, and the run stops before what happens at its end. Null: neither.
@@ -41,7 +41,7 @@ class Block {
     stops_before_end_ = stops_before_end;
   }
   /// Begins at t = 0. False: failed.
-  bool begin(const Start& start);
+  bool begin(const PartStart& start);
   /// Rows before this time are available.
   [[nodiscard]] double time() const { return point_.time; }
   [[nodiscard]] bool finished() const { return finished_; }
@@ -76,7 +76,7 @@ class Block {
   void add_statistics(Statistics& statistics) const;
   /// The jumps, if requested.
   [[nodiscard]] const std::vector<Jump>& jumps() const { return jump_details_; }
-  [[nodiscard]] const CertificateRecorder& certificate() const { return certificate_; }
+  [[nodiscard]] const StepCertifier& certificate() const { return certificate_; }
   /// The largest motion that was damped instead of followed, of a state's size.
   [[nodiscard]] double damped() const { return damped_; }
   /// The controls in relation to their thresholds.
@@ -88,7 +88,7 @@ class Block {
   using Trial = Stepper::Trial;
   static constexpr int last_level = 96;  ///< of the ladder
 
-  // block.cpp: steps
+  // part_run.cpp: steps
   [[nodiscard]] double ladder(int level) const { return h_max_ * std::ldexp(1.0, -level); }
   /// The first whose Euler steps are no longer than shortest_.
   [[nodiscard]] int shortest_level() const {
@@ -115,7 +115,7 @@ class Block {
   [[nodiscard]] std::vector<std::string> names(const std::vector<int>& ports) const;
   [[nodiscard]] bool matters(const Point& a, const Point& b) const;
 
-  // block_crossings.cpp
+  // part_run_crossings.cpp
   /// A port, or the control of a switch, that crosses zero in a step.
   struct Crossing {
     std::size_t index = 0;
@@ -129,7 +129,7 @@ class Block {
   bool cut(double h, const std::vector<Crossing>& list, double reach);
   bool locate(double h, Crossing crossing);
 
-  // block_events.cpp
+  // part_run_events.cpp
   Instant begin_instant();
   bool restart();
   void note_jump(double time, double h);
@@ -166,9 +166,9 @@ class Block {
   [[nodiscard]] std::vector<std::string> changed_ports() const;
   bool watch_crowd(double time);
 
-  // block_segments.cpp: in place of steps
+  // part_run_segments.cpp: in place of steps
   void note_least_voltage();
-  [[nodiscard]] bool begin_on_the_way(const Start& start);
+  [[nodiscard]] bool begin_on_the_way(const PartStart& start);
   [[nodiscard]] bool begin_segment();
   [[nodiscard]] bool find_segment(const Beginning& beginning, Instant& instant);
   [[nodiscard]] bool follows_directly(const Position& candidate);
@@ -191,7 +191,7 @@ class Block {
   [[nodiscard]] bool is_resolved(double from, double to);
   void finish_instant(const Instant& instant);
 
-  // block_jumps.cpp: their jumps
+  // part_run_jumps.cpp: their jumps
   Sought take_jump_of(const Point& step, double h);
   [[nodiscard]] Sought jump_by_step(const Point& step, double h);
   [[nodiscard]] Sought take_step_of_jump(const Point& step, double h);
@@ -226,7 +226,7 @@ class Block {
   std::vector<double> signal_scale_;
   double largest_voltage_ = 0.0, largest_current_ = 0.0;  ///< of segments that are measured
   bool signals_read_sources_ = false;
-  CertificateRecorder certificate_;
+  StepCertifier certificate_;
   bool passive_ = false;
   StallWatch stall_;
   Stretch stretch_;

@@ -1,9 +1,9 @@
-/// Block: the jumps with which exact segments begin, and their impulses.
+/// PartRun: the jumps with which exact segments begin, and their impulses.
 #include <algorithm>
 #include <cmath>
 
 #include "base/arithmetic.hpp"
-#include "engine/sparse/block.hpp"
+#include "engine/sparse/part_run.hpp"
 #include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -17,7 +17,7 @@ constexpr double most_relaxed = 30.0;  ///< of `same_jump`, where signs agree in
 }  // namespace
 
 /// The jump with which the segment begins, to first_.
-Block::Sought Block::take_jump_of(const Point& step, double h) {
+PartRun::Sought PartRun::take_jump_of(const Point& step, double h) {
   const std::vector<double> impulses = segment_->impulses(), whole = segment_->first_unknowns();
   const double length = segment_->step_length();
   if (!trusts_jumps_ && !is_jump_of(step.on)) {
@@ -30,7 +30,7 @@ Block::Sought Block::take_jump_of(const Point& step, double h) {
 }
 
 /// Where impulses leave no digits in a segment that begins before the jump.
-Block::Sought Block::jump_by_step(const Point& step, double h) {
+PartRun::Sought PartRun::jump_by_step(const Point& step, double h) {
   const double longest = std::max(room(), break_tolerance_);
   const double length = segment_->step(factors_, {point_.time, step.on, point_.z, start_memory_, longest}, first_.z);
   if (length == 0.0 || !(difference(states_, first_.z) > tolerance::jump)) return Sought::not_found;
@@ -49,7 +49,7 @@ Block::Sought Block::jump_by_step(const Point& step, double h) {
 }
 
 /// Of a jump with which an Euler step begins: what it delivers is the step's length times what impulses make of its end.
-void Block::add_impulses(const std::vector<double>& impulses, const std::vector<double>& whole, double length) {
+void PartRun::add_impulses(const std::vector<double>& impulses, const std::vector<double>& whole, double length) {
   if (request_.probes.sink == nullptr) return;
   jump_impulses_.resize(impulses.size(), 0.0);
   jump_terms_.resize(impulses.size(), 0.0);
@@ -60,7 +60,7 @@ void Block::add_impulses(const std::vector<double>& impulses, const std::vector<
 }
 
 /// The run stands after a jump, in the position of it; what flows there is to be found.
-Block::Sought Block::take_step_of_jump(const Point& step, double h) {
+PartRun::Sought PartRun::take_step_of_jump(const Point& step, double h) {
   start_memory_.clear();
   segment_->note_jump(std::max(ports_.largest_voltage(point_.z), ports_.largest_voltage(first_.z)));
   const std::vector<double> first = point_.z = std::move(first_.z);
@@ -83,8 +83,8 @@ Block::Sought Block::take_step_of_jump(const Point& step, double h) {
 
 /// Ports of which a jump in that position asks what they do not do: conduct an impulse backwards, or block one forwards, by so much of the largest in a current, or
 /// in a voltage. `whole`: the end of the step that the impulses are a part of.
-std::vector<std::size_t> Block::backward_impulses(const std::vector<double>& impulses, const std::vector<double>& whole, const Position& on,
-                                                  double share) const {
+std::vector<std::size_t> PartRun::backward_impulses(const std::vector<double>& impulses, const std::vector<double>& whole,
+                                                    const Position& on, double share) const {
   const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
   const double other = tolerance::other_rounding * largest(whole);
   const auto rounding = [&](auto largest_of) {
@@ -106,7 +106,7 @@ std::vector<std::size_t> Block::backward_impulses(const std::vector<double>& imp
 
 /// Whether the jump with which the segment begins, to first_, is one of the position. In the Euler step that found it, what flows in its length may have hidden an
 /// impulse backwards: a capacitor that a current discharges in a short time does not jump. One that is backwards by rounding leads where it does with the other sides.
-bool Block::is_jump_of(const Position& on) {
+bool PartRun::is_jump_of(const Position& on) {
   const double same = tolerance::same_jump * std::min(segment_->relaxation(), most_relaxed);
   if (segment_->distance(point_.z, first_.z) <= same) return true;
   const std::vector<double> impulses = segment_->impulses(), whole = segment_->first_unknowns();
@@ -122,20 +122,20 @@ bool Block::is_jump_of(const Position& on) {
 }
 
 /// Whether the segment that is open begins with the states of the instant. Leaves the Euler steps as they are.
-bool Block::is_continuous() {
+bool PartRun::is_continuous() {
   std::vector<double> z;
   segment_->unknowns(segment_->at(0.0), z);
   return !moves(states_, point_.z, z);
 }
 
-double Block::least_distance() const { return std::max(tolerance::jump_energy, least_errors * segment_->relative_error()); }
+double PartRun::least_distance() const { return std::max(tolerance::jump_energy, least_errors * segment_->relative_error()); }
 
 /// Whether states, those of `from`, move beyond rounding.
-bool Block::moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const {
+bool PartRun::moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const {
   return difference(states, to) > tolerance::jump && segment_->distance(from, to) > least_distance();
 }
 
-void Block::note_segment_impulses() {
+void PartRun::note_segment_impulses() {
   impulses_.assign(signals_.size(), 0.0);
   if (jump_impulses_.empty()) return;
   for (std::size_t i = 0; i < signals_.size(); ++i) {

@@ -4,13 +4,13 @@
 #include <limits>
 
 #include "base/arithmetic.hpp"
-#include "engine/sparse/block.hpp"
+#include "engine/sparse/part_run.hpp"
 #include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {
 
 /// At the point that has been reached: what controls do, and which switches have changed since the last one.
-void Block::watch_controls() {
+void PartRun::watch_controls() {
   const auto first = static_cast<std::size_t>(descriptor_.first_switch());
   const bool begins = watched_on_.empty();
   watched_on_.resize(part_.watched.size());
@@ -32,7 +32,7 @@ void Block::watch_controls() {
   }
 }
 
-void Block::watch_rest(Control& control, int number, double value, double noise) {
+void PartRun::watch_rest(Control& control, int number, double value, double noise) {
   const auto threshold = thresholds_.threshold_at(number, value, noise);
   if (!threshold)
     control.at_threshold_since = std::numeric_limits<double>::quiet_NaN();
@@ -42,7 +42,7 @@ void Block::watch_rest(Control& control, int number, double value, double noise)
     thresholds_.rests(number, *threshold, control.at_threshold_since);
 }
 
-std::vector<Remark> Block::threshold_remarks() {
+std::vector<Remark> PartRun::threshold_remarks() {
   const auto first = static_cast<std::size_t>(descriptor_.first_switch());
   for (const Gate& gate : gates_) thresholds_.trace(gate.clock(), static_cast<int>(gate.port() - first));
   return thresholds_.remarks(watched_on_, failure_.outcome == Outcome::completed && finished_);

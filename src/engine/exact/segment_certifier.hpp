@@ -1,11 +1,13 @@
 #pragma once
 /// The run's certificate: residuals of the original equations, evaluated on samples of the solution.
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
 #include "engine/exact/exact_model.hpp"
 #include "engine/exact/locator.hpp"
+#include "engine/exact/recorder.hpp"
 
 namespace pwlsim::engine {
 
@@ -15,7 +17,7 @@ namespace pwlsim::engine {
 ///  - KCL/KVL: every row of F x + G z + H_a a + H_w ζ and of x' − S_x z against the largest sum of its terms' magnitudes over the
 ///    run (the rows before index reduction and before ports were chosen);
 ///  - energy: change of ½|x|² over an interval against ∫ Σ v·i dt of the stores by Gauss quadrature of z.
-class CertificateRecorder {
+class SegmentCertifier : public Recorder {
  public:
   /// A segment that is examined.
   struct Sample {
@@ -25,12 +27,18 @@ class CertificateRecorder {
     double length;
   };
 
-  /// The state x = (ξ, ζ) an island starts from, before anything is projected.
-  void start(const IslandModel& island, const double* x);
-  void add(const IslandModel& island, const Segment& segment, double length);
+  void start_is_known(const IslandAt& island);
+  void opens(const IslandAt& island, double length) {
+    if (!island.run.is_open()) add(island.run.model(), island.run.segment(), length);
+  }
+  void ends_within(const IslandAt& island) {
+    add(island.run.model(), island.run.segment(), std::max(0.0, island.time - island.run.segment().anchor));
+  }
   [[nodiscard]] Certificate check() const;
 
  private:
+  void add(const IslandModel& island, const Segment& segment, double length);
+
   std::vector<Sample> samples_;  ///< thinned
   std::vector<Sample> first_visits_;
   std::vector<std::pair<const IslandModel*, linalg::Vector>> starts_;

@@ -1,8 +1,8 @@
-/// Transient: what happens at one instant. Switches and modes answer each other until nothing moves.
+/// ExactRun: what happens at one instant. Switches and modes answer each other until nothing moves.
 
 #include <utility>
 
-#include "engine/exact/transient.hpp"
+#include "engine/exact/exact_run.hpp"
 #include "engine/remarks.hpp"
 
 namespace pwlsim::engine {
@@ -16,7 +16,7 @@ constexpr int most_rounds = 200;  ///< of switches answering switches at one ins
 /// Sources have moved: first the switches that only they drive, so that no mode between two positions is ever entered; then modes, and what those do to
 /// the other switches, until nothing moves. Parts without states have their turn first, then those with states, at last those that steer nothing: logic
 /// that settles reaches them as one change, however long its chains are.
-bool Transient::settle(Instant& instant, bool at_start) {
+bool ExactRun::settle(Instant& instant, bool at_start) {
   std::fill(rested_.begin(), rested_.end(), 0);
   for (int round = 0; round < most_rounds; ++round) {
     if (flip_without_mode(instant, at_start && round == 0) || (!sensing_.empty() && flip_passing(instant))) continue;
@@ -28,10 +28,10 @@ bool Transient::settle(Instant& instant, bool at_start) {
     recorders_.settled(instant.time, !at_start || !is_start_given_);
     for (IslandRun* island : running_) {
       if (!island->is_open()) continue;
-      recorders_.closes(number_of(*island), instant.time);
+      recorders_.closes(at(*island, instant.time));
       if (instant.jumps > 0 && instant.flips && !at_start) note_loss(*island, instant);
       island->close(instant.time, on_);
-      recorders_.closed(number_of(*island));
+      recorders_.closed(at(*island, instant.time));
     }
     is_ended_by_observer_ = !recorders_.instant_ended(instant.time, instant.jumps > 0, on_);
     return true;
@@ -42,7 +42,7 @@ bool Transient::settle(Instant& instant, bool at_start) {
   return false;
 }
 
-bool Transient::select_open(const std::vector<IslandRun*>& islands, Instant& instant) {
+bool ExactRun::select_open(const std::vector<IslandRun*>& islands, Instant& instant) {
   for (IslandRun* island : islands) {
     if (!island->is_open() || is_ready_[number_of(*island)] != 0 || selects(*island, instant)) continue;
     fail_selection(*island, island->selected(), instant.time);
@@ -52,10 +52,10 @@ bool Transient::select_open(const std::vector<IslandRun*>& islands, Instant& ins
 }
 
 /// Whether something continues.
-bool Transient::selects(IslandRun& island, Instant& instant) {
+bool ExactRun::selects(IslandRun& island, Instant& instant) {
   const model::Selected& selected = island.select();
   instant.jumps += selected.jumps;
-  recorders_.selected(number_of(island), selected);
+  recorders_.selected(at(island, instant.time), selected);
   if (selected.choice == model::Choice::found) return true;
   if (selected.choice != model::Choice::several || request_.non_unique == NonUnique::error) return false;
   note_several(island, selected, instant.time);
@@ -64,14 +64,14 @@ bool Transient::selects(IslandRun& island, Instant& instant) {
 
 /// Modes of the parts without states; true where switches have answered them. Between two rounds such a part may have no mode, as where a closed switch waits for
 /// its complement behind more gates: its controls wait for the next.
-bool Transient::select_logic(Instant& instant) {
+bool ExactRun::select_logic(Instant& instant) {
   std::fill(is_ready_.begin(), is_ready_.end(), 0);
   for (IslandRun* island : logic_)
     if (island->is_open() && selects(*island, instant)) is_ready_[number_of(*island)] = 1;
   return flip_logic(instant);
 }
 
-void Transient::take_clocks(Instant& instant) {
+void ExactRun::take_clocks(Instant& instant) {
   for (model::Clock& clock : clocks_) {
     if (clock.next().time > instant.time + tolerance_) continue;
     instant.source_edge |= clock.next().is_edge;
@@ -80,7 +80,7 @@ void Transient::take_clocks(Instant& instant) {
   }
 }
 
-bool Transient::flip_without_mode(Instant& instant, bool at_start) {
+bool ExactRun::flip_without_mode(Instant& instant, bool at_start) {
   flips_.clear();
   take_clocks(instant);
   for (IslandRun* island : steering_) {
@@ -92,7 +92,7 @@ bool Transient::flip_without_mode(Instant& instant, bool at_start) {
 }
 
 /// What passes at one instant with switches that have been set already, by its mode of before: no position between the two is entered.
-bool Transient::flip_passing(Instant& instant) {
+bool ExactRun::flip_passing(Instant& instant) {
   flips_.clear();
   for (IslandRun* island : sensing_) {
     if (!island->is_open()) continue;
@@ -102,7 +102,7 @@ bool Transient::flip_passing(Instant& instant) {
 }
 
 /// Gates settle before latches: a switch with hysteresis keeps what it was told until nothing else moves.
-bool Transient::flip_logic(Instant& instant) {
+bool ExactRun::flip_logic(Instant& instant) {
   flips_.clear();
   bool latches = true;
   for (IslandRun* island : logic_) {
@@ -119,7 +119,7 @@ bool Transient::flip_logic(Instant& instant) {
 }
 
 /// All switches whose control has passed at this instant change together.
-bool Transient::flip_violated(Instant& instant) {
+bool ExactRun::flip_violated(Instant& instant) {
   flips_.clear();
   for (IslandRun* island : sensing_) {
     if (!island->is_open()) continue;
@@ -130,7 +130,7 @@ bool Transient::flip_violated(Instant& instant) {
 
 /// Where nothing is violated any more: the switches whose control rests at a threshold that counts as passed. A switch that changes back holds its
 /// control there by itself, and stays.
-bool Transient::flip_at_rest(Instant& instant) {
+bool ExactRun::flip_at_rest(Instant& instant) {
   flips_.clear();
   for (IslandRun* island : sensing_) {
     if (!island->is_open()) continue;
@@ -143,7 +143,7 @@ bool Transient::flip_at_rest(Instant& instant) {
 }
 
 /// The switches of flips_; true if there are any.
-bool Transient::flip(Instant& instant) {
+bool ExactRun::flip(Instant& instant) {
   if (flips_.empty()) return false;
   instant.flips = true;
   std::swap(flips_, last_flips_);

@@ -1,4 +1,4 @@
-#include "engine/sparse/block.hpp"
+#include "engine/sparse/part_run.hpp"
 
 #include <fmt/format.h>
 
@@ -42,14 +42,14 @@ double longest_step(double period, double reltol) {
   return period * std::min(most_steps_of_period, std::cbrt(reltol / parabola_error) / (2.0 * std::numbers::pi));
 }
 
-double scale_of_sources(const model::Network& network, const Descriptor& descriptor, Block::Method method) {
+double scale_of_sources(const model::Network& network, const Descriptor& descriptor, PartRun::Method method) {
   const double voltage = largest_held_voltage(network);
-  return method == Block::Method::steps ? voltage : std::max(voltage, descriptor.r0() * largest_injected_current(network));
+  return method == PartRun::Method::steps ? voltage : std::max(voltage, descriptor.r0() * largest_injected_current(network));
 }
 
 }  // namespace
 
-Block::Block(const Part& part, const Request& request, double reltol, Method method)
+PartRun::PartRun(const Part& part, const Request& request, double reltol, Method method)
     : part_(part),
       request_(request),
       reltol_(reltol),
@@ -86,7 +86,7 @@ Block::Block(const Part& part, const Request& request, double reltol, Method met
   shortest_ = std::max(shortest_share * std::sqrt(reltol) * fastest_time(part.island.network), tolerance::shortest_step * request.stop);
 }
 
-void Block::signals(double time, double* values) {
+void PartRun::signals(double time, double* values) {
   if (segment_) {
     const std::vector<double>& y = segment_->at(time - segment_->start());
     if (signals_read_sources_) sources_.evaluate(time, w_);
@@ -98,7 +98,7 @@ void Block::signals(double time, double* values) {
   for (std::size_t i = 0; i < signals_.size(); ++i) values[i] = Form::sum(signals_[i].w, w_.data(), stretch_.value(signals_[i], weights));
 }
 
-void Block::signals(double time, std::span<const int> numbers, double* values) {
+void PartRun::signals(double time, std::span<const int> numbers, double* values) {
   if (segment_) {
     const std::vector<double>& y = segment_->at(time - segment_->start());
     if (signals_read_sources_) sources_.evaluate(time, w_);
@@ -117,7 +117,7 @@ void Block::signals(double time, std::span<const int> numbers, double* values) {
 }
 
 /// A segment knows all voltages to a part of the largest of them so far, and all currents to a part of the largest.
-double Block::signal_size(int number) const {
+double PartRun::signal_size(int number) const {
   const Form& form = signals_[static_cast<std::size_t>(number)];
   if (!segment_) return form.size(point_.z.data(), point_.w.data());
   double size = std::abs(form.constant) + Form::size_of(form.w, point_.w.data());
@@ -126,7 +126,7 @@ double Block::signal_size(int number) const {
   return size;
 }
 
-bool Block::advance() {
+bool PartRun::advance() {
   instant_.reset();
   impulses_.clear();
   if (stops_before_end_ && point_.time >= request_.stop - tolerance_) {
@@ -143,28 +143,28 @@ bool Block::advance() {
 }
 
 /// False: given up, since nothing comes of the steps.
-bool Block::look_back() {
+bool PartRun::look_back() {
   const StallWatch::Place now{point_.time, steps_, events_};
   if (!stall_.is_due(now)) return true;
   const std::string why = stall_.look(certificate_.check(), now);
   return why.empty() || give_up(why);
 }
 
-bool Block::give_up(const std::string& what) {
+bool PartRun::give_up(const std::string& what) {
   fail(Outcome::no_solution, "E-step", what + ": a solution may not exist; try --engine exact, which checks it", {});
   return false;
 }
 
 /// Time to the next breakpoint or the end.
-double Block::remaining() const { return std::min(next_break(), request_.stop) - point_.time; }
+double PartRun::remaining() const { return std::min(next_break(), request_.stop) - point_.time; }
 
-int Block::step_level() const {
+int PartRun::step_level() const {
   int level = level_;
   while (level < last_level && ladder(level) > overshoot * remaining()) ++level;
   return level;
 }
 
-bool Block::step() {
+bool PartRun::step() {
   rejected_ = false;
   double rejected_error = 0.0;
   while (true) {
@@ -194,7 +194,7 @@ bool Block::step() {
 }
 
 /// Tried less and less often where it fails.
-bool Block::absorbs(double h) {
+bool PartRun::absorbs(double h) {
   if (absorb_wait_ > 0) {
     --absorb_wait_;
     return false;
@@ -206,7 +206,7 @@ bool Block::absorbs(double h) {
 }
 
 /// A step in which many ports change sides, none of them located. False: they matter.
-bool Block::absorb(double h) {
+bool PartRun::absorb(double h) {
   stepper_.sdirk2(point_, h, scale_, free_);
   if (free_.solved != Solved::yes || free_.error > reltol_ || matters(free_.end, trial_.end)) return false;
   for (std::size_t i = 0; i < controls_.size(); ++i)
@@ -223,7 +223,7 @@ bool Block::absorb(double h) {
 }
 
 /// Whether two ends of a step differ in a saved signal by more than rows are good for.
-bool Block::matters(const Point& a, const Point& b) const {
+bool PartRun::matters(const Point& a, const Point& b) const {
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     const double x = signals_[i].value(a.z.data(), a.w.data());
     const double y = signals_[i].value(b.z.data(), b.w.data());
@@ -233,7 +233,7 @@ bool Block::matters(const Point& a, const Point& b) const {
 }
 
 /// The part of a step up to the fraction `reach`.
-void Block::accept(const Trial& trial, double reach) {
+void PartRun::accept(const Trial& trial, double reach) {
   stretch_.set(point_, trial.stage, trial.end);
   Point next = trial.end;
   if (reach < tolerance::whole_step) {
@@ -252,7 +252,7 @@ void Block::accept(const Trial& trial, double reach) {
 }
 
 /// Goes on from a point.
-void Block::settle_in(Point& next) {
+void PartRun::settle_in(Point& next) {
   std::swap(point_, next);
   scale_.note(point_.z);
   ports_.note_scale(point_.z, point_.w);
@@ -266,14 +266,14 @@ void Block::settle_in(Point& next) {
   if (positions_.size() < most_positions) positions_.insert(std::hash<std::string_view>()({point_.on.data(), point_.on.size()}));
 }
 
-void Block::note_largest_unknowns() {
+void PartRun::note_largest_unknowns() {
   const std::span<const double> all(point_.z);
   const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
   largest_voltage_ = std::max(largest_voltage_, largest(all.first(nodes)));
   largest_current_ = std::max(largest_current_, largest(all.subspan(nodes)));
 }
 
-void Block::control_size(double error) {
+void PartRun::control_size(double error) {
   if (rejected_) {
     standing_ = 0;
     return;
@@ -294,7 +294,7 @@ void Block::control_size(double error) {
 }
 
 /// Down the ladder from a step of h by what its error asks for. False: the end of the ladder.
-bool Block::reduce(double h, double error) {
+bool PartRun::reduce(double h, double error) {
   rejected_ = true;
   const double factor = error < model::forever ? std::cbrt(0.5 * reltol_ / error) : 0.25;
   while (ladder(level_) >= h) ++level_;
@@ -302,7 +302,7 @@ bool Block::reduce(double h, double error) {
   return level_ <= last_level;
 }
 
-std::vector<std::string> Block::names(const std::vector<int>& ports) const {
+std::vector<std::string> PartRun::names(const std::vector<int>& ports) const {
   constexpr std::size_t most_names = 12;
   std::vector<std::string> result;
   for (const int i : ports)
@@ -310,7 +310,7 @@ std::vector<std::string> Block::names(const std::vector<int>& ports) const {
   return result;
 }
 
-bool Block::fail_step(Solved solved, double error) {
+bool PartRun::fail_step(Solved solved, double error) {
   if (!failure_.id.empty()) return false;
   const double time = point_.time;
   if (solved == Solved::singular) {
@@ -339,7 +339,7 @@ bool Block::fail_step(Solved solved, double error) {
   return false;
 }
 
-void Block::add_statistics(Statistics& s) const {
+void PartRun::add_statistics(Statistics& s) const {
   s.states += descriptor_.states().size();
   s.ports += static_cast<std::uint64_t>(descriptor_.first_switch());
   s.switches += descriptor_.ports().size() - static_cast<std::uint64_t>(descriptor_.first_switch());

@@ -1,12 +1,12 @@
-/// Block: what happens at an instant.
+/// PartRun: what happens at an instant.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/arithmetic.hpp"
-#include "engine/sparse/block.hpp"
 #include "engine/sparse/jumps.hpp"
+#include "engine/sparse/part_run.hpp"
 #include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -32,7 +32,7 @@ int restart_levels(double reltol) { return 3 - static_cast<int>(std::floor(std::
 
 }  // namespace
 
-bool Block::flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on) {
+bool PartRun::flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on) {
   bool flipped = false;
   const double unknown = largest(point_.z);
   if (by_sources) sources_.evaluate(time, w_);
@@ -50,7 +50,7 @@ bool Block::flip(const Point& at, bool by_sources, double time, Instant& instant
 
 /// Switches whose control is at a threshold that counts as passed where it rests there, once each. Impulses make the unknowns of a first step large,
 /// and no rounding of a control: that is taken before the instant.
-bool Block::flip_at_rest(const Point& at, Instant& instant) {
+bool PartRun::flip_at_rest(const Point& at, Instant& instant) {
   bool flipped = false;
   const double unknown = largest(point_.z);
   for (Control& control : controls_) {
@@ -66,7 +66,7 @@ bool Block::flip_at_rest(const Point& at, Instant& instant) {
 
 /// Where those that changed sides at the instant leave no position: the switches whose controls pass within a step of the position before, as the complement of a
 /// gate does that comes by a controlled source. False: none does.
-bool Block::flip_ahead(double h, Instant& instant, Point& first) {
+bool PartRun::flip_ahead(double h, Instant& instant, Point& first) {
   Position ahead = point_.on;
   point_.on = position_before_;
   const bool flipped =
@@ -77,7 +77,7 @@ bool Block::flip_ahead(double h, Instant& instant, Point& first) {
 
 /// All switches whose control has passed at this instant change together, those that only sources drive first; states stay as they are
 /// until none moves. False: no position (trial_.solved); `failure_` names the switches that keep toggling.
-bool Block::settle(double h, Instant& instant, Point& first) {
+bool PartRun::settle(double h, Instant& instant, Point& first) {
   for (Control& control : controls_) control.has_rested = false;
   for (int round = 0; round < most_rounds; ++round) {
     if (flip(point_, true, instant.time + h, instant, point_.on)) continue;
@@ -97,7 +97,7 @@ bool Block::settle(double h, Instant& instant, Point& first) {
 
 /// max over the states of their distance from those before the instant, relative to their size. Segments have no tolerance in which the rounding of what nodes
 /// have at the moment disappears.
-double Block::difference(const std::vector<double>& states, const std::vector<double>& z) const {
+double PartRun::difference(const std::vector<double>& states, const std::vector<double>& z) const {
   const double rounding = segment_ ? tolerance::node_share * ports_.largest_voltage(z) : 0.0;
   double worst = 0.0;
   for (std::size_t i = 0; i < states.size(); ++i) {
@@ -109,7 +109,7 @@ double Block::difference(const std::vector<double>& states, const std::vector<do
 }
 
 /// Switches and three Euler steps.
-Solved Block::euler_steps(double h, Instant& instant) {
+Solved PartRun::euler_steps(double h, Instant& instant) {
   if (!settle(h, instant, first_)) return trial_.solved;
   const Solved solved = stepper_.euler(first_, h, second_);
   return solved == Solved::yes ? stepper_.euler(second_, h, third_) : solved;
@@ -118,7 +118,7 @@ Solved Block::euler_steps(double h, Instant& instant) {
 /// Whether the Euler steps of length h lead where much shorter ones do, and on: states that move there at the instant itself have jumped, and what moves in
 /// h and not there is to be followed in shorter steps, as diodes that conduct on the way may send charges elsewhere. So is what changes sides
 /// on the way, unless nothing moves by the tolerance.
-bool Block::settled(double h, Instant& instant) {
+bool PartRun::settled(double h, Instant& instant) {
   const bool is_expected = first_.on == point_.on && second_.on == point_.on && third_.on == point_.on;
   const double motion = difference(states_, drawn_back(first_, second_));
   instant.jump = motion > reltol_;
@@ -141,7 +141,7 @@ bool Block::settled(double h, Instant& instant) {
 
 /// In a network that is not passive, where a jump may be of higher order, and a state two integrations away be held back from rounding in ever shorter steps:
 /// whether it is much the same in a shorter step.
-bool Block::repeats(double shorter, double motion) {
+bool PartRun::repeats(double shorter, double motion) {
   Point first, second;
   if (stepper_.euler(point_, shorter, first, start_memory_) != Solved::yes) return true;
   // What h draws back of a motion, (h/τ)², is what the shorter step moves, h/64τ, where h/τ is 1/64: from that the instant is drawn, too.
@@ -152,14 +152,14 @@ bool Block::repeats(double shorter, double motion) {
 }
 
 /// The unknowns at the instant: those of the ends of two Euler steps from there, extrapolated.
-const std::vector<double>& Block::drawn_back(const Point& first, const Point& second) {
+const std::vector<double>& PartRun::drawn_back(const Point& first, const Point& second) {
   w_ = first.z;
   for (std::size_t i = 0; i < w_.size(); ++i) w_[i] += first.z[i] - second.z[i];
   return w_;
 }
 
 /// Before the states of the instant are forgotten.
-void Block::note_jump(double time, double h) {
+void PartRun::note_jump(double time, double h) {
   if (!request_.jumps || jump_details_.size() >= most_jumps_kept) return;
   std::vector<double> after;
   descriptor_.measure_states(drawn_back(first_, second_).data(), after);
@@ -168,7 +168,7 @@ void Block::note_jump(double time, double h) {
 
 /// What the three Euler steps deliver, without what the line through the ends of the last two does, which stands for the signal from the instant on:
 /// states and their integrals go together.
-void Block::note_impulses(double h) {
+void PartRun::note_impulses(double h) {
   impulses_.resize(signals_.size());
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     const double first = signals_[i].value(first_.z.data(), first_.w.data());
@@ -179,13 +179,13 @@ void Block::note_impulses(double h) {
   }
 }
 
-void Block::find_next_gate() {
+void PartRun::find_next_gate() {
   next_gate_ = model::forever;
   for (const Gate& gate : gates_) next_gate_ = std::min(next_gate_, gate.next());
 }
 
 /// Whether any changes sides until then.
-bool Block::take_gates(double until) {
+bool PartRun::take_gates(double until) {
   if (next_gate_ > until) return false;
   for (Gate& gate : gates_) {
     while (gate.next() <= until) gate.pass();
@@ -197,7 +197,7 @@ bool Block::take_gates(double until) {
 }
 
 /// Of sources and gates whose time has come.
-Block::Instant Block::begin_instant() {
+PartRun::Instant PartRun::begin_instant() {
   restart_due_ = false;
   Instant instant;
   instant.time = point_.time;
@@ -209,7 +209,7 @@ Block::Instant Block::begin_instant() {
   return instant;
 }
 
-bool Block::restart() {
+bool PartRun::restart() {
   const double time = point_.time;
   Instant instant = begin_instant();
   if (!starting_) descriptor_.measure_states(point_.z.data(), states_);
@@ -243,7 +243,7 @@ bool Block::restart() {
 }
 
 /// Euler steps so short that the states either stay where they are or jump. False: failed.
-bool Block::find_position(const Beginning& beginning, Instant& instant, int& level) {
+bool PartRun::find_position(const Beginning& beginning, Instant& instant, int& level) {
   const int usual = level;
   int deepest = std::min(std::max(level + most_refinement, shortest_level()), last_level);
   while (deepest > level && diagonal * ladder(deepest) < tolerance::shortest_euler_step * instant.time) --deepest;
@@ -286,7 +286,7 @@ bool Block::find_position(const Beginning& beginning, Instant& instant, int& lev
 
 /// Of what is too fast for the digits of time: whether it decays in the longest steps without a change of sides, so that nothing depends on its way. Then
 /// these are taken.
-bool Block::decays(const Beginning& beginning, Instant& instant, int& level, int usual) {
+bool PartRun::decays(const Beginning& beginning, Instant& instant, int& level, int usual) {
   const Found deep = found(instant);
   point_.on = beginning.on;
   instant = beginning.instant;
@@ -299,9 +299,9 @@ bool Block::decays(const Beginning& beginning, Instant& instant, int& level, int
   return taken;
 }
 
-Block::Found Block::found(const Instant& instant) const { return {{point_.on, instant}, first_, second_, third_}; }
+PartRun::Found PartRun::found(const Instant& instant) const { return {{point_.on, instant}, first_, second_, third_}; }
 
-void Block::put_back(const Found& found, Instant& instant) {
+void PartRun::put_back(const Found& found, Instant& instant) {
   failure_ = {};
   first_ = found.first;
   second_ = found.second;
@@ -311,7 +311,7 @@ void Block::put_back(const Found& found, Instant& instant) {
 }
 
 /// To steps that are longer than what moves in them, as shorter ones find no position: told, not followed.
-bool Block::go_back(const Beginning& beginning, Instant& instant, int level) {
+bool PartRun::go_back(const Beginning& beginning, Instant& instant, int level) {
   point_.on = beginning.on;
   instant = beginning.instant;
   const double h = diagonal * ladder(level);
@@ -323,7 +323,7 @@ bool Block::go_back(const Beginning& beginning, Instant& instant, int level) {
 }
 
 /// Levels (two at most) by which three Euler steps are too long: a control that passes behind the first of them would change sides late.
-int Block::levels_too_long(double h) const {
+int PartRun::levels_too_long(double h) const {
   double soonest = 3.0 * h;
   for (std::size_t i = 0; i < controls_.size(); ++i) {
     const double first = margin(i, true, first_), fall = first - margin(i, true, second_);
@@ -333,7 +333,7 @@ int Block::levels_too_long(double h) const {
 }
 
 /// The Euler steps anew where they are too long for that; those at hand stay where shorter ones find no position.
-void Block::end_before_passage(const Beginning& beginning, Instant& instant, int& level) {
+void PartRun::end_before_passage(const Beginning& beginning, Instant& instant, int& level) {
   const int more = levels_too_long(diagonal * ladder(level));
   if (more == 0 || level + more > last_level) return;
   const Found usual = found(instant);
@@ -345,7 +345,7 @@ void Block::end_before_passage(const Beginning& beginning, Instant& instant, int
 }
 
 /// Names of the ports that have changed sides at the instant.
-std::vector<std::string> Block::changed_ports() const {
+std::vector<std::string> PartRun::changed_ports() const {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < position_before_.size(); ++i) {
     const std::string& name = descriptor_.ports()[i].name;
@@ -354,13 +354,13 @@ std::vector<std::string> Block::changed_ports() const {
   return names;
 }
 
-bool Block::watch_crowd(double time) {
+bool PartRun::watch_crowd(double time) {
   if (!crowd_.note(time, tolerance::crowd * request_.stop)) return true;
   fail(accumulation(time, crowd_, changed_ports(), {}));
   return false;
 }
 
-bool Block::begin(const Start& start) {
+bool PartRun::begin(const PartStart& start) {
   if (segment_ && !passive_) {
     fail(Outcome::no_solution, "E-no-solution", "the krylov engine runs passive networks only; try --engine exact or sparse", {});
     return false;
@@ -391,7 +391,7 @@ bool Block::begin(const Start& start) {
 }
 
 /// As a segment that goes on from another.
-bool Block::begin_on_the_way(const Start& start) {
+bool PartRun::begin_on_the_way(const PartStart& start) {
   point_.z = start.unknowns;
   point_.k.assign(point_.z.size(), 0.0);
   descriptor_.measure_states(point_.z.data(), states_);

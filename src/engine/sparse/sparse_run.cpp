@@ -1,4 +1,4 @@
-#include "engine/sparse/transient.hpp"
+#include "engine/sparse/sparse_run.hpp"
 
 #include <fmt/format.h>
 
@@ -25,8 +25,8 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 }  // namespace
 
-Transient::Transient(const std::vector<std::unique_ptr<const Part>>& parts, std::size_t signals, const Request& request, double reltol,
-                     Block::Method method, RowSink& sink)
+SparseRun::SparseRun(const std::vector<std::unique_ptr<const Part>>& parts, std::size_t signals, const Request& request, double reltol,
+                     PartRun::Method method, RowSink& sink)
     : request_(request),
       reltol_(reltol),
       method_(method),
@@ -39,7 +39,7 @@ Transient::Transient(const std::vector<std::unique_ptr<const Part>>& parts, std:
 }
 
 /// Signals of the track that are parts of probes.
-void Transient::find_shares(Track& track) const {
+void SparseRun::find_shares(Track& track) const {
   const auto& probes = request_.probes.signals;
   const auto& numbers = track.part.island.signal_number;
   for (std::size_t i = 0; i < numbers.size(); ++i)
@@ -51,36 +51,36 @@ void Transient::find_shares(Track& track) const {
   track.values.resize(std::max(numbers.size(), track.shares.size()));
 }
 
-bool Transient::fail(const Answer& failure) {
+bool SparseRun::fail(const Answer& failure) {
   if (answer_.outcome == Outcome::completed) end({failure.outcome, failure.id, failure.message, failure.elements});
   return false;
 }
 
-std::string Transient::mode_text() const {
+std::string SparseRun::mode_text() const {
   ModeText text;
   for (const auto& track : tracks_) {
     const auto& ports = track->part.descriptor.ports();
-    const Position& on = track->block.position();
+    const Position& on = track->run.position();
     for (std::size_t i = 0; i < std::min(ports.size(), on.size()); ++i) text.add(ports[i].name, on[i] != 0);
   }
   return text.str();
 }
 
-bool Transient::begin(const std::vector<Start>& starts) {
+bool SparseRun::begin(const std::vector<PartStart>& starts) {
   bool projected = false;
-  const auto has_signals = [&](const Start& start) {
+  const auto has_signals = [&](const PartStart& start) {
     return start.missing.empty() && (!request_.use_initial_conditions || !start.unknowns.empty());
   };
   const bool has_before = request_.probes.sink != nullptr && std::all_of(starts.begin(), starts.end(), has_signals);
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Track& track = *tracks_[i];
-    const Start& start = starts[i];
-    if (!track.block.begin(start)) {
+    const PartStart& start = starts[i];
+    if (!track.run.begin(start)) {
       order_.clear();  // others are a little beyond 0 already
-      return fail(track.block.failure());
+      return fail(track.run.failure());
     }
     if (has_before) note_before_start(track, start);
-    projected |= track.block.start_projected() && request_.use_initial_conditions;
+    projected |= track.run.start_projected() && request_.use_initial_conditions;
     order_.push_back(i);
   }
   if (has_before) hand_over_start();
@@ -91,47 +91,47 @@ bool Transient::begin(const std::vector<Start>& starts) {
 }
 
 /// The part that is least far takes a step; what lies before it is known of all.
-bool Transient::advance_least() {
+bool SparseRun::advance_least() {
   Track& track = *tracks_[order_.front()];
-  if (track.block.time() > last_instant_ + tolerance_ && !close_event()) return false;
-  if (!rows_before(track.block.time(), false)) return false;
-  const double time = track.block.time();
+  if (track.run.time() > last_instant_ + tolerance_ && !close_event()) return false;
+  if (!rows_before(track.run.time(), false)) return false;
+  const double time = track.run.time();
   pieces_before(time);
-  if (!track.block.advance()) return fail(track.block.failure());
+  if (!track.run.advance()) return fail(track.run.failure());
   hand_over_impulses(track, time);
   watch(track);
   if (!open_event(track)) return false;
   std::pop_heap(order_.begin(), order_.end(), is_later());
-  if (track.block.finished())
+  if (track.run.finished())
     order_.pop_back();
   else
     std::push_heap(order_.begin(), order_.end(), is_later());
   return true;
 }
 
-void Transient::begin_lap(std::vector<std::vector<SegmentRecord>>* records) {
+void SparseRun::begin_lap(std::vector<std::vector<SegmentRecord>>* records) {
   if (records) records->assign(tracks_.size(), {});
-  for (std::size_t i = 0; i < tracks_.size(); ++i) tracks_[i]->block.begin_lap(records ? &(*records)[i] : nullptr, true);
+  for (std::size_t i = 0; i < tracks_.size(); ++i) tracks_[i]->run.begin_lap(records ? &(*records)[i] : nullptr, true);
 }
 
-std::vector<Start> Transient::ends() {
-  std::vector<Start> ends(tracks_.size());
+std::vector<PartStart> SparseRun::ends() {
+  std::vector<PartStart> ends(tracks_.size());
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    ends[i].unknowns = tracks_[i]->block.unknowns();
-    ends[i].on = tracks_[i]->block.position();
+    ends[i].unknowns = tracks_[i]->run.unknowns();
+    ends[i].on = tracks_[i]->run.position();
     ends[i].signals.resize(tracks_[i]->part.island.signal_number.size());
-    tracks_[i]->block.signals(request_.stop, ends[i].signals.data());
+    tracks_[i]->run.signals(request_.stop, ends[i].signals.data());
   }
   return ends;
 }
 
-Answer Transient::run(const std::vector<Start>& starts) {
+Answer SparseRun::run(const std::vector<PartStart>& starts) {
   const auto clock = Clock::now();
   bool going = begin(starts);
   for (int count = 0; going && !order_.empty(); ++count) {
     going = advance_least();
     if (going && count % steps_between_checks == 0 && request_.progress && !order_.empty())
-      request_.progress(tracks_[order_.front()]->block.time());
+      request_.progress(tracks_[order_.front()]->run.time());
     if (going) going = !is_interrupted() && take(rows_.flush_in_time());
   }
   if (answer_.outcome != Outcome::sink_stopped && !close_event()) going = false;
@@ -139,7 +139,7 @@ Answer Transient::run(const std::vector<Start>& starts) {
   take(rows_.flush());
   answer_.time = request_.stop;
   if (going) pieces_before(request_.stop);
-  if (!going) answer_.time = order_.empty() ? 0.0 : std::min(tracks_[order_.front()]->block.time(), request_.stop);
+  if (!going) answer_.time = order_.empty() ? 0.0 : std::min(tracks_[order_.front()]->run.time(), request_.stop);
   answer_.probed = answer_.time;
   answer_.statistics.seconds_simulate = seconds_since(clock) - rows_.seconds();
   answer_.statistics.rows = rows_.count();
@@ -148,53 +148,53 @@ Answer Transient::run(const std::vector<Start>& starts) {
 }
 
 /// Signals are sums of what the parts have of them.
-void Transient::row(double time, double* values) {
+void SparseRun::row(double time, double* values) {
   std::fill(values, values + rows_.width(), 0.0);
   values[0] = time;
   for (const auto& track : tracks_) {
-    track->block.signals(time, track->values.data());
+    track->run.signals(time, track->values.data());
     for (std::size_t i = 0; i < track->part.island.signal_number.size(); ++i)
       values[1 + static_cast<std::size_t>(track->part.island.signal_number[i])] += track->values[i];
   }
 }
 
-bool Transient::is_interrupted() {
+bool SparseRun::is_interrupted() {
   if (!request_.interrupt || request_.interrupt->load(std::memory_order_relaxed) == 0) return false;
-  end(interrupted(order_.empty() ? request_.stop : tracks_[order_.front()]->block.time()));
+  end(interrupted(order_.empty() ? request_.stop : tracks_[order_.front()]->run.time()));
   return true;
 }
 
-bool Transient::rows_before(double time, bool inclusive) {
+bool SparseRun::rows_before(double time, bool inclusive) {
   while (rows_.is_due(time, inclusive))
     if (!accepted(rows_.push_next(*this))) return false;
   return true;
 }
 
 /// All ports, track by track.
-void Transient::watch_start() {
+void SparseRun::watch_start() {
   if (request_.watcher == nullptr) return;
   std::vector<std::string> elements;
   for (const auto& track : tracks_) {
     for (const Port& port : track->part.descriptor.ports()) elements.push_back(port.name);
-    on_.insert(on_.end(), track->block.position().begin(), track->block.position().end());
+    on_.insert(on_.end(), track->run.position().begin(), track->run.position().end());
   }
   request_.watcher->begin(elements, on_);
 }
 
-void Transient::watch(const Track& track) {
-  const auto& instant = track.block.instant();
+void SparseRun::watch(const Track& track) {
+  const auto& instant = track.run.instant();
   if (request_.watcher == nullptr || !instant) return;
   auto place = on_.begin();
   for (const auto& before : tracks_) {
     if (before.get() == &track) break;
-    place += static_cast<std::ptrdiff_t>(before->block.position().size());
+    place += static_cast<std::ptrdiff_t>(before->run.position().size());
   }
-  std::copy(track.block.position().begin(), track.block.position().end(), place);
+  std::copy(track.run.position().begin(), track.run.position().end(), place);
   request_.watcher->happened({instant->time, instant->source_edge, instant->mode_change, instant->jump}, on_);
 }
 
 /// A track's share of the probes at the operating point.
-void Transient::note_before_start(const Track& track, const Start& start) {
+void SparseRun::note_before_start(const Track& track, const PartStart& start) {
   const auto& probes = request_.probes.signals;
   piece_values_.resize(probes.size());
   for (std::size_t k = 0; k < track.shares.size(); ++k)
@@ -202,13 +202,13 @@ void Transient::note_before_start(const Track& track, const Start& start) {
 }
 
 /// What was before t = 0, and what happened then.
-void Transient::hand_over_start() {
+void SparseRun::hand_over_start() {
   request_.probes.sink->before_start(piece_values_);
   for (const auto& track : tracks_) hand_over_impulses(*track, 0.0);
 }
 
-void Transient::hand_over_impulses(const Track& track, double time) {
-  const std::vector<double>& impulses = track.block.impulses();
+void SparseRun::hand_over_impulses(const Track& track, double time) {
+  const std::vector<double>& impulses = track.run.impulses();
   if (impulses.empty() || track.shares.empty()) return;
   std::vector<double> values(request_.probes.signals.size(), 0.0);
   for (std::size_t k = 0; k < track.shares.size(); ++k)
@@ -217,7 +217,7 @@ void Transient::hand_over_impulses(const Track& track, double time) {
 }
 
 /// What lies before the instant that the least track stands at, of the last stretches of all.
-void Transient::pieces_before(double time) {
+void SparseRun::pieces_before(double time) {
   const Probes& probes = request_.probes;
   if (probes.sink == nullptr || time <= piece_time_) return;
   const double from = std::max(piece_time_, probes.from);
@@ -230,7 +230,7 @@ void Transient::pieces_before(double time) {
   std::fill(piece_values_.begin(), piece_values_.end(), 0.0);
   for (const auto& track : tracks_)
     for (std::size_t i = 0; i < points && !track->shares.empty(); ++i) {
-      track->block.signals(from + 0.5 * (1.0 + point[i]) * (to - from), track->shares, track->values.data());
+      track->run.signals(from + 0.5 * (1.0 + point[i]) * (to - from), track->shares, track->values.data());
       for (std::size_t k = 0; k < track->shares.size(); ++k)
         piece_values_[static_cast<std::size_t>(track->probes[k]) * points + i] += track->values[k];
     }
@@ -239,18 +239,18 @@ void Transient::pieces_before(double time) {
 }
 
 /// A current through a resistor behind a blocked diode is what rounding leaves of the difference of two voltages.
-void Transient::note_noise() {
+void SparseRun::note_noise() {
   std::vector<double> sizes(request_.probes.signals.size(), 0.0);
   for (const auto& track : tracks_)
     for (std::size_t k = 0; k < track->shares.size(); ++k)
-      sizes[static_cast<std::size_t>(track->probes[k])] += track->block.signal_size(track->shares[k]);
+      sizes[static_cast<std::size_t>(track->probes[k])] += track->run.signal_size(track->shares[k]);
   probe_noise_.resize(sizes.size(), 0.0);
   for (std::size_t i = 0; i < sizes.size(); ++i) probe_noise_[i] = std::max(probe_noise_[i], tolerance::signal_rounding * sizes[i]);
 }
 
 /// A row before what the part's last step came upon; the one after it waits for the parts that come upon the same.
-bool Transient::open_event(Track& track) {
-  const auto& instant = track.block.instant();
+bool SparseRun::open_event(Track& track) {
+  const auto& instant = track.run.instant();
   if (!instant) return true;
   const double time = instant->time;
   if (std::abs(time - last_instant_) <= tolerance_) {
@@ -263,13 +263,13 @@ bool Transient::open_event(Track& track) {
   row(time, before);
   before[0] = rows_.begin_event(time);
   for (std::size_t i = 0; i < track.part.island.signal_number.size(); ++i)
-    before[1 + static_cast<std::size_t>(track.part.island.signal_number[i])] += track.block.signals_before()[i] - track.values[i];
+    before[1 + static_cast<std::size_t>(track.part.island.signal_number[i])] += track.run.signals_before()[i] - track.values[i];
   event_open_ = true;
   return accepted(rows_.push());
 }
 
 /// The row after the event, once all parts are beyond it.
-bool Transient::close_event() {
+bool SparseRun::close_event() {
   if (!event_open_) return true;
   event_open_ = false;
   row(last_instant_, rows_.room());
@@ -278,44 +278,44 @@ bool Transient::close_event() {
 }
 
 /// Whether the run goes on after a row.
-bool Transient::accepted(RowFeed::Pushed pushed) {
+bool SparseRun::accepted(RowFeed::Pushed pushed) {
   return take(pushed != RowFeed::Pushed::refused) && (pushed == RowFeed::Pushed::kept || !is_interrupted());
 }
 
-bool Transient::take(bool accepted) {
+bool SparseRun::take(bool accepted) {
   if (!accepted && answer_.outcome == Outcome::completed) end({Outcome::sink_stopped, "", ""});
   return accepted;
 }
 
-void Transient::end(Ending ending) {
+void SparseRun::end(Ending ending) {
   end_run(answer_, std::move(ending));
   answer_.mode = mode_text();
 }
 
-void Transient::finish() {
+void SparseRun::finish() {
   answer_.statistics.islands = tracks_.size();
   const auto clock = Clock::now();
   Certificate& c = answer_.certificate;
   c.has_passivity = c.passive = true;
   double damped = 0.0;
   for (const auto& track : tracks_) {
-    track->block.add_statistics(answer_.statistics);
-    const auto& jumps = track->block.jumps();
+    track->run.add_statistics(answer_.statistics);
+    const auto& jumps = track->run.jumps();
     answer_.jumps.insert(answer_.jumps.end(), jumps.begin(), jumps.end());
-    for (Remark& remark : track->block.threshold_remarks()) answer_.remarks.push_back(std::move(remark));
-    const Certificate own = track->block.certificate().check();
+    for (Remark& remark : track->run.threshold_remarks()) answer_.remarks.push_back(std::move(remark));
+    const Certificate own = track->run.certificate().check();
     c.complementarity = std::max(c.complementarity, own.complementarity);
     c.kcl_kvl = std::max(c.kcl_kvl, own.kcl_kvl);
     c.energy = std::max(c.energy, own.energy);
     c.points_checked += own.points_checked;
-    damped = std::max(damped, track->block.damped());
+    damped = std::max(damped, track->run.damped());
     c.passive = c.passive && track->part.descriptor.passive();
   }
   std::stable_sort(answer_.jumps.begin(), answer_.jumps.end(), [](const Jump& a, const Jump& b) { return a.time < b.time; });
   answer_.jumps.resize(std::min(answer_.jumps.size(), most_jumps_kept));
   answer_.statistics.events -= shared_instants_;
   const double worst = std::max({c.complementarity, c.kcl_kvl, c.energy, damped});
-  const bool has_segments = method_ == Block::Method::segments;
+  const bool has_segments = method_ == PartRun::Method::segments;
   const bool is_doubtful = worst > (has_segments ? tolerance::doubtful_segments : doubtful_tolerances * reltol_);
   if (is_doubtful && has_segments && answer_.outcome == Outcome::completed) {
     end_run(answer_,

@@ -1,4 +1,4 @@
-#include "engine/sparse/certificate.hpp"
+#include "engine/sparse/step_certifier.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,26 +15,26 @@ constexpr std::uint64_t points_per_stride = 64;
 
 }  // namespace
 
-bool CertificateRecorder::sampled() {
+bool StepCertifier::sampled() {
   if (seen_++ % stride_ != 0) return false;
   if (++points_ % points_per_stride == 0) stride_ *= 2;
   return true;
 }
 
-void CertificateRecorder::add_step(const Point& from, const Stepper::Trial& trial, const Point& reached, const PortSolver& ports) {
+void StepCertifier::add_step(const Point& from, const Stepper::Trial& trial, const Point& reached, const PortSolver& ports) {
   if (!sampled()) return;
   add_rows(trial.end);
   add_ports(reached, ports);
   add_energy(from, trial);
 }
 
-void CertificateRecorder::add_point(const Point& point, const PortSolver& ports, double rate, std::span<const int> rising) {
+void StepCertifier::add_point(const Point& point, const PortSolver& ports, double rate, std::span<const int> rising) {
   if (!sampled()) return;
   add_rows(point, rate);
   add_ports(point, ports, rising);
 }
 
-void CertificateRecorder::add_rows(const Point& point, double rate) {
+void StepCertifier::add_rows(const Point& point, double rate) {
   const auto n = static_cast<std::size_t>(descriptor_.size());
   for (auto* v : {&residual_, &size_}) v->resize(n, 0.0);
   for (auto* v : {&rates_, &row_size_}) v->resize(n);
@@ -53,7 +53,7 @@ void CertificateRecorder::add_rows(const Point& point, double rate) {
 }
 
 /// Of the largest voltage and the largest other unknown of a point, in volts.
-CertificateRecorder::Rounding CertificateRecorder::rounding_at(const Point& point) const {
+StepCertifier::Rounding StepCertifier::rounding_at(const Point& point) const {
   if (least_ == 0.0) return {};
   const std::span z(point.z);
   const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
@@ -61,7 +61,7 @@ CertificateRecorder::Rounding CertificateRecorder::rounding_at(const Point& poin
           tolerance::unknown_rounding * std::max(least_, largest(z.subspan(nodes)))};
 }
 
-void CertificateRecorder::add_ports(const Point& point, const PortSolver& ports, std::span<const int> rising) {
+void StepCertifier::add_ports(const Point& point, const PortSolver& ports, std::span<const int> rising) {
   const Rounding rounding = rounding_at(point);
   for (int i = 0; i < descriptor_.first_switch(); ++i) {
     if (std::find(rising.begin(), rising.end(), i) != rising.end()) continue;
@@ -81,12 +81,12 @@ void CertificateRecorder::add_ports(const Point& point, const PortSolver& ports,
   }
 }
 
-double CertificateRecorder::energy(const Point& point) {
+double StepCertifier::energy(const Point& point) {
   descriptor_.memory(point.z.data(), rates_.data());
   return 0.5 * descriptor_.product(point.z, rates_);
 }
 
-void CertificateRecorder::add_energy(const Point& from, const Stepper::Trial& trial) {
+void StepCertifier::add_energy(const Point& from, const Stepper::Trial& trial) {
   const double h = trial.end.time - from.time;
   const double before = energy(from), after = energy(trial.end);
   const double flow[3] = {h * step_weight * descriptor_.product(from.z, from.k),
@@ -96,7 +96,7 @@ void CertificateRecorder::add_energy(const Point& from, const Stepper::Trial& tr
   energy_scale_ = std::max({energy_scale_, std::abs(before), std::abs(after), std::abs(flow[0]) + std::abs(flow[1]) + std::abs(flow[2])});
 }
 
-Certificate CertificateRecorder::check() const {
+Certificate StepCertifier::check() const {
   Certificate certificate;
   certificate.points_checked = points_;
   const double input_scale = std::max(input_scale_, tolerance::idle_row * slack_scale_);  // where no current ever flows

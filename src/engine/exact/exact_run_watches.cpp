@@ -7,8 +7,8 @@
 #include <functional>
 #include <set>
 
+#include "engine/exact/exact_run.hpp"
 #include "engine/exact/tolerances.hpp"
-#include "engine/exact/transient.hpp"
 #include "engine/remarks.hpp"
 
 namespace pwlsim::engine {
@@ -42,7 +42,7 @@ std::vector<std::string> differing_elements(const model::System& system, const s
 }  // namespace
 
 /// In a passive circuit no events accumulate ahead.
-void Transient::watch_accumulation(const Instant& instant) {
+void ExactRun::watch_accumulation(const Instant& instant) {
   const double time = instant.time;
   if (all_passive_) return;
   for (IslandRun* running : running_) {
@@ -61,7 +61,7 @@ void Transient::watch_accumulation(const Instant& instant) {
 }
 
 /// Near enough to the limit, which is well known, and nothing else happens before it: no row, no source edge, no event elsewhere.
-bool Transient::may_cross(const IslandRun& island, const AccumulationWatch::Limit& limit, double time) {
+bool ExactRun::may_cross(const IslandRun& island, const AccumulationWatch::Limit& limit, double time) {
   const double ahead = limit.time - time;
   const bool known_exactly = limit.uncertainty <= tolerance::limit * limit.time;
   if (!(ahead > 0.0) || ahead > (known_exactly ? tolerance::crossing : tolerance::last_crossing) * limit.span) return false;
@@ -76,7 +76,7 @@ bool Transient::may_cross(const IslandRun& island, const AccumulationWatch::Limi
   return true;
 }
 
-void Transient::cross(IslandRun& island, const AccumulationWatch::Limit& limit) {
+void ExactRun::cross(IslandRun& island, const AccumulationWatch::Limit& limit) {
   const std::vector<std::string> names = all_names(island.system());
   answer_.remarks.push_back(
       {"N-accumulation", fmt::format("events accumulate at t = {} s in the part with {}: after {} of them, with each group of {} taking "
@@ -88,17 +88,17 @@ void Transient::cross(IslandRun& island, const AccumulationWatch::Limit& limit) 
   island.accumulation().reset();
 }
 
-bool Transient::watch_crowd(const Instant& instant) {
+bool ExactRun::watch_crowd(const Instant& instant) {
   return !crowd_.note(instant.time, tolerance::crowd * request_.stop) || fail_crowd(instant, crowd_);
 }
 
 /// Of instants at which a guard was passed and nothing happened, or nothing but flips of switches that change nothing.
-bool Transient::watch_idle_crowd(const Instant& instant) {
+bool ExactRun::watch_idle_crowd(const Instant& instant) {
   return !instant.crossing || !idle_crowd_.note(instant.time, tolerance::idle_crowd * request_.stop) || fail_crowd(instant, idle_crowd_);
 }
 
 /// The element whose guard was passed at the event at which the island was opened; empty where that is not known.
-std::string Transient::passed_name(const IslandRun& island) const {
+std::string ExactRun::passed_name(const IslandRun& island) const {
   const model::System& system = island.system();
   const int row = island.passed_row;
   if (row < 0) return {};
@@ -108,7 +108,7 @@ std::string Transient::passed_name(const IslandRun& island) const {
 }
 
 /// What changes sides at the instant, or else whose guard is passed.
-std::vector<std::string> Transient::what_happens(const Instant& instant) const {
+std::vector<std::string> ExactRun::what_happens(const Instant& instant) const {
   std::vector<std::string> names;
   if (instant.flips)
     for (const int i : last_flips_) names.push_back(model_.switches[static_cast<std::size_t>(i)].name);
@@ -123,7 +123,7 @@ std::vector<std::string> Transient::what_happens(const Instant& instant) const {
   return names;
 }
 
-bool Transient::fail_crowd(const Instant& instant, const Crowd& crowd) {
+bool ExactRun::fail_crowd(const Instant& instant, const Crowd& crowd) {
   std::string part;
   for (std::size_t i = 0; i < islands_.size() && part.empty(); ++i)  // nothing but sources
     if (opened_[i] != Opened::no) part = "in the part with " + islands_[i].system().name;
@@ -131,7 +131,7 @@ bool Transient::fail_crowd(const Instant& instant, const Crowd& crowd) {
   return false;
 }
 
-void Transient::note_several(const IslandRun& island, const model::Selected& selected, double time) {
+void ExactRun::note_several(const IslandRun& island, const model::Selected& selected, double time) {
   if (several_++ > 0) return;
   several_text_ = fmt::format("the solution is not unique at t = {} s: {} may continue in {} ways", time,
                               fmt::join(differing_elements(island.system(), selected.details->continuations), ", "),
@@ -172,7 +172,7 @@ std::string advice_of(const IslandRun& island) {
 
 }  // namespace
 
-void Transient::fail_selection(const IslandRun& island, const model::Selected& selected, double time) {
+void ExactRun::fail_selection(const IslandRun& island, const model::Selected& selected, double time) {
   if (selected.choice == model::Choice::several) {
     const std::vector<std::string> names = differing_elements(island.system(), selected.details->continuations);
     fail(Outcome::not_unique, "E-not-unique",
@@ -195,17 +195,17 @@ void Transient::fail_selection(const IslandRun& island, const model::Selected& s
        names);
 }
 
-void Transient::fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements) {
+void ExactRun::fail(Outcome outcome, std::string id, std::string text, std::vector<std::string> elements) {
   fail(Ending{outcome, std::move(id), std::move(text), std::move(elements)});
 }
 
-void Transient::fail(Ending ending) {
+void ExactRun::fail(Ending ending) {
   answer_.mode = mode_text(ending.outcome);
   end_run(answer_, std::move(ending));
 }
 
 /// Where no solution continues the mode before the instant at hand is meant, else that which holds.
-std::string Transient::mode_text(Outcome outcome) const {
+std::string ExactRun::mode_text(Outcome outcome) const {
   const bool holds = outcome == Outcome::interrupted || outcome == Outcome::sink_stopped;
   ModeText text;
   for (std::size_t i = 0; i < islands_.size(); ++i) {
@@ -218,7 +218,7 @@ std::string Transient::mode_text(Outcome outcome) const {
   return text.str();
 }
 
-void Transient::note_open_signals() {
+void ExactRun::note_open_signals() {
   std::set<std::string> names;
   for (const auto& island : islands_)
     for (const std::size_t output : island.selector().modes().open_outputs())
@@ -233,7 +233,7 @@ void Transient::note_open_signals() {
 }
 
 /// Whether charge and flux have gone on as impulses have it, and every port has kept its inequality up to here.
-bool Transient::holds(const IslandRun& island) {
+bool ExactRun::holds(const IslandRun& island) {
   if (island.continuity().is_broken()) {
     const ContinuityWatch::Break found = island.continuity().worst();
     const std::string store = model::StoreValues(island.model().island, island.model().extraction).of_coordinate(found.coordinate);
@@ -252,7 +252,7 @@ bool Transient::holds(const IslandRun& island) {
   return false;
 }
 
-void Transient::count() {
+void ExactRun::count() {
   Statistics& s = answer_.statistics;
   std::set<int> parts;
   for (const auto& island : islands_) parts.insert(island.model().island.part);
@@ -271,7 +271,7 @@ void Transient::count() {
 }
 
 /// Events that were found less surely than others.
-void Transient::note_doubtful_events() {
+void ExactRun::note_doubtful_events() {
   for (const auto& island : islands_) {
     if (const std::uint64_t coarse = island.coarse_selections(); coarse > 0)
       answer_.remarks.push_back(
@@ -289,7 +289,7 @@ void Transient::note_doubtful_events() {
   }
 }
 
-void Transient::note_choices() {
+void ExactRun::note_choices() {
   if (several_ == 0) return;
   answer_.remarks.push_back(
       {"N-not-unique",
@@ -299,7 +299,7 @@ void Transient::note_choices() {
                    request_.non_unique == NonUnique::first ? "first" : "stay")});
 }
 
-void Transient::certify() {
+void ExactRun::certify() {
   const auto clock = std::chrono::steady_clock::now();
   Certificate& certificate = answer_.certificate;
   if (!watching_.leaves_end_open) certificate = recorders_.certificate();
@@ -316,11 +316,11 @@ void Transient::certify() {
   answer_.statistics.seconds_certificate = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock).count();
 }
 
-void Transient::finish() {
+void ExactRun::finish() {
   count();
   note_doubtful_events();
   note_open_signals();
-  recorders_.hand_over(clocks_, on_, answer_);
+  recorders_.hand_over({clocks_, on_}, answer_);
   note_choices();
   certify();
   answer_.remarks.insert(answer_.remarks.begin(), model_.remarks.begin(), model_.remarks.end());
