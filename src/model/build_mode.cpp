@@ -68,7 +68,7 @@ class ModeMaker {
   void spread_inputs();
   void reduce_coordinates();
   bool build_flow();
-  [[nodiscard]] Matrix mode_rows(const Mode& m);
+  [[nodiscard]] Matrix mode_rows(const Mode& m, Eigen::Index outputs);
   [[nodiscard]] Matrix guards_of(const Mode& m, const Matrix& rows) const;
   [[nodiscard]] std::optional<Matrix> guards_at_other_shift(const Mode& m, ShiftedSystems& shifted);
   void build_rows();
@@ -208,10 +208,9 @@ void ModeMaker::clean_control_rows(Matrix& rows) const {
   }
 }
 
-/// Of diodes, controls and outputs in y.
-Matrix ModeMaker::mode_rows(const Mode& m) {
-  const auto controls = static_cast<int>(s_.controls.size());
-  const auto outputs = static_cast<int>(s_.outputs.size());
+/// Of diodes, controls and the first outputs in y.
+Matrix ModeMaker::mode_rows(const Mode& m, Eigen::Index outputs) {
+  const auto controls = static_cast<Eigen::Index>(s_.controls.size());
   WideMatrix full(s_.diodes + controls + outputs, s_.size());
   for (std::size_t a = 0; a < inputs_.ports().size() && inputs_.ports()[a] < s_.diodes; ++a)
     full.row(inputs_.ports()[a]) = inputs_.k().row(static_cast<Eigen::Index>(a));
@@ -220,7 +219,7 @@ Matrix ModeMaker::mode_rows(const Mode& m) {
     full.row(i) = inputs_.unrounded().c.row(i);
     add_inputs(full, i, inputs_.unrounded().d.row(i), manifold_ ? tolerance::manifold_rounding : linalg::wide_clean_tolerance);
   }
-  for (int i = 0; i < controls + outputs; ++i) {
+  for (Eigen::Index i = 0; i < controls + outputs; ++i) {
     const OutputRow& row =
         i < controls ? s_.controls[static_cast<std::size_t>(i)].value : s_.outputs[static_cast<std::size_t>(i - controls)];
     full.row(s_.diodes + i) = row.state.transpose().cast<Wide>();
@@ -259,7 +258,7 @@ std::optional<Matrix> ModeMaker::guards_at_other_shift(const Mode& m, ShiftedSys
   const WideMatrix& slow = other->slow;
   embedding_.topLeftCorner(s_.n, m.n1) = slow;
   embedding_.topRightCorner(s_.n, s_.n_zeta) = other->lift - product(slow, product(slow.transpose(), other->lift));
-  const Matrix guards = guards_of(m, mode_rows(m));
+  const Matrix guards = guards_of(m, mode_rows(m, 0));
   Matrix rows(guards.rows(), s_.size());
   rows << guards.leftCols(m.n1) * slow.cast<double>().transpose(), guards.rightCols(s_.n_zeta);
   return rows;
@@ -267,9 +266,10 @@ std::optional<Matrix> ModeMaker::guards_at_other_shift(const Mode& m, ShiftedSys
 
 void ModeMaker::build_rows() {
   Mode& m = *mode_;
-  const Matrix rows = mode_rows(m);
+  const auto outputs = static_cast<Eigen::Index>(s_.outputs.size());
+  const Matrix rows = mode_rows(m, outputs);
   m.guards = guards_of(m, rows);
-  m.outputs = rows.bottomRows(static_cast<Eigen::Index>(s_.outputs.size()));
+  m.outputs = rows.bottomRows(outputs);
   finish_mode(s_, m, std::move(flow_));
   if (inputs_.k_error().size() > 0) bound_guard_noise();
 }

@@ -25,16 +25,6 @@ constexpr double bad_condition = 1e2;
 /// From which on a solution is refined.
 constexpr double very_bad_condition = 1e5;
 
-ModeInputs::Restricted restrict_to(const Unrounded& s, const IndexSet& active) {
-  ModeInputs::Restricted r;
-  for (int i = 0; i < static_cast<int>(s.d.rows()); ++i)
-    if (active.contains(i)) r.j.push_back(i);
-  r.b = linalg::columns_of(s.b, r.j);
-  r.c = linalg::rows_of(s.c, r.j);
-  r.d = linalg::columns_of(linalg::rows_of(s.d, r.j), r.j);
-  return r;
-}
-
 /// Entries (i, j) that are rounding of row_size_i·column_size_j become zero.
 void clean_against(WideMatrix& m, const WideVector& row_size, const WideVector& column_size) {
   for (Eigen::Index j = 0; j < m.cols(); ++j)
@@ -44,10 +34,19 @@ void clean_against(WideMatrix& m, const WideVector& row_size, const WideVector& 
 
 }  // namespace
 
-ModeInputs::ModeInputs(const System& system, const IndexSet& active)
-    : s_(system), w_(system.unrounded_matrices()), r_(restrict_to(*w_, active)) {}
+ModeInputs::ModeInputs(const System& system, const IndexSet& active) : s_(system), w_(system.unrounded_matrices()) {
+  for (int i = 0; i < system.ports; ++i)
+    if (active.contains(i)) r_.j.push_back(i);
+}
+
+void ModeInputs::restrict_matrices() {
+  r_.b = linalg::columns_of(w_->b, r_.j);
+  r_.c = linalg::rows_of(w_->c, r_.j);
+  r_.d = linalg::columns_of(linalg::rows_of(w_->d, r_.j), r_.j);
+}
 
 bool ModeInputs::solve(Mode& mode) {
+  restrict_matrices();
   const auto q = r_.d.rows();
   kj_ = WideMatrix::Zero(q, s_.size());
   constraints_ = WideMatrix(0, s_.size());

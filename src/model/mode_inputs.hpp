@@ -14,7 +14,7 @@ namespace pwlsim::model {
 class ModeInputs {
  public:
   using WideMatrix = linalg::WideMatrix;
-  /// The columns of B, the rows of C and the block of D that belong to active ports J.
+  /// The columns of B, the rows of C and the block of D that belong to active ports J; matrices where the inputs are solved for.
   struct Restricted {
     std::vector<int> j;
     WideMatrix b, c, d;
@@ -42,6 +42,7 @@ class ModeInputs {
   [[nodiscard]] double condition() const { return condition_; }
 
  private:
+  void restrict_matrices();
   void take_inverse(const WideMatrix& inverse);
   void leave_out_rounding(Eigen::Index column, const linalg::WideVector& rounding);
   [[nodiscard]] linalg::CarefulElimination examine_feedthrough() const;

@@ -203,6 +203,7 @@ class SlowMotion {
 
   /// False where they are too nearly orthogonal.
   bool take_subspaces(WideMatrix slow, WideMatrix of_rows) {
+    beyond_ = r_.shift * WideMatrix::Identity(nz_, nz_) - system_.exosystem->a().cast<Wide>();
     slow_ = std::move(slow);
     of_rows_ = std::move(of_rows);
     const WideElimination between(product(of_rows_.transpose(), slow_), 0);
@@ -214,9 +215,9 @@ class SlowMotion {
   /// One more step of its fixed point, from a solution at another shift.
   void turn_lift(const WideMatrix& lift) { lift_ = next_lift(lift); }
   void find_motion();
-  [[nodiscard]] WideMatrix feedback() const { return product(product(r_.inputs, before_), coordinates_); }
-  [[nodiscard]] WideMatrix rate() const { return product(product(x_.topRows(n_), motion_), coordinates_); }
-  [[nodiscard]] WideMatrix projector() const { return product(x_, coordinates_); }
+  [[nodiscard]] WideMatrix feedback() const;
+  [[nodiscard]] WideMatrix rate() const { return of_state(rate_of_slow_, rate_of_sources_); }
+  [[nodiscard]] WideMatrix projector() const;
   [[nodiscard]] const WideMatrix& slow() const { return slow_; }
   [[nodiscard]] const WideMatrix& of_rows() const { return of_rows_; }
   [[nodiscard]] const WideMatrix& lift() const { return lift_; }
@@ -225,14 +226,14 @@ class SlowMotion {
 
  private:
   [[nodiscard]] WideMatrix next_lift(const WideMatrix& lift) const;
+  [[nodiscard]] WideMatrix of_state(const WideMatrix& of_slow, const WideMatrix& of_sources) const;
 
   const System& system_;
   const Resolvent& r_;
   Index n_, nz_;
   WideMatrix slow_, of_rows_, w_, lift_;
-  WideMatrix x_, coordinates_;  ///< X = (N L; 0 1), and of x in X
-  WideMatrix motion_;           ///< σ − Y⁻¹
-  WideMatrix before_;           ///< σX − X'
+  WideMatrix beyond_;                          ///< σ − A_ζ
+  WideMatrix rate_of_slow_, rate_of_sources_;  ///< ξ' of c and ζ
 };
 
 class Splitter {
@@ -280,8 +281,7 @@ class Splitter {
 /// (Fast part of) (S_ξ L + S_ζ)(σ − A_ζ).
 WideMatrix SlowMotion::next_lift(const WideMatrix& lift) const {
   if (nz_ == 0) return lift;
-  const WideMatrix z = r_.shift * WideMatrix::Identity(nz_, nz_) - system_.exosystem->a().cast<Wide>();
-  WideMatrix next = product(product(r_.states, lift) + r_.on_sources, z);
+  WideMatrix next = product(product(r_.states, lift) + r_.on_sources, beyond_);
   next -= product(slow_, product(w_, next));
   return next;
 }
@@ -299,27 +299,36 @@ void SlowMotion::find_lift() {
   }
 }
 
-/// With X = (N L; 0 1): S X = X Y, so that X' = X (σ − Y⁻¹), and u_J of X is U X Y⁻¹.
+/// With X = (N L; 0 1): S X = X Y, so that X' = X (σ − Y⁻¹). By blocks: those of ζ are known.
 void SlowMotion::find_motion() {
-  const Index slow = slow_.cols(), size = n_ + nz_;
-  x_ = WideMatrix::Zero(size, slow + nz_);
-  x_.topLeftCorner(n_, slow) = slow_;
-  x_.topRightCorner(n_, nz_) = lift_;
-  x_.bottomRightCorner(nz_, nz_).setIdentity();
-  coordinates_ = WideMatrix::Zero(slow + nz_, size);
-  coordinates_.topLeftCorner(slow, n_) = w_;
-  coordinates_.topRightCorner(slow, nz_) = -product(w_, lift_);
-  coordinates_.bottomRightCorner(nz_, nz_).setIdentity();
-
-  const WideMatrix z = r_.shift * WideMatrix::Identity(nz_, nz_) - system_.exosystem->a().cast<Wide>();
+  const Index slow = slow_.cols();
   const WideMatrix own = WideElimination(product(w_, product(r_.states, slow_)), 0).inverse();
   // S (L; 1) (σ − A_ζ) = L + N (…), whose coordinates are what E_s adds.
-  const WideMatrix across = product(w_, product(product(r_.states, lift_) + r_.on_sources, z));
-  motion_ = WideMatrix::Zero(slow + nz_, slow + nz_);
-  motion_.topLeftCorner(slow, slow) = r_.shift * WideMatrix::Identity(slow, slow) - own;
-  motion_.topRightCorner(slow, nz_) = product(own, across);
-  motion_.bottomRightCorner(nz_, nz_) = system_.exosystem->a().cast<Wide>();
-  before_ = r_.shift * x_ - product(x_, motion_);
+  const WideMatrix across = product(w_, product(product(r_.states, lift_) + r_.on_sources, beyond_));
+  rate_of_slow_ = product(slow_, r_.shift * WideMatrix::Identity(slow, slow) - own);
+  rate_of_sources_ = product(slow_, product(own, across)) + product(lift_, system_.exosystem->a().cast<Wide>());
+}
+
+/// What c and ζ make, as rows of x: c = w (ξ − L ζ).
+WideMatrix SlowMotion::of_state(const WideMatrix& of_slow, const WideMatrix& of_sources) const {
+  WideMatrix rows(of_slow.rows(), n_ + nz_);
+  rows.leftCols(n_) = product(of_slow, w_);
+  rows.rightCols(nz_) = of_sources - product(rows.leftCols(n_), lift_);
+  return rows;
+}
+
+/// u_J of X is U X Y⁻¹ = U (σX − X').
+WideMatrix SlowMotion::feedback() const {
+  const WideMatrix of_states = r_.inputs.leftCols(n_);
+  return of_state(product(of_states, r_.shift * slow_ - rate_of_slow_),
+                  product(of_states, r_.shift * lift_ - rate_of_sources_) + product(r_.inputs.rightCols(nz_), beyond_));
+}
+
+WideMatrix SlowMotion::projector() const {
+  WideMatrix result = WideMatrix::Zero(n_ + nz_, n_ + nz_);
+  result.topRows(n_) = of_state(slow_, lift_);
+  result.bottomRightCorner(nz_, nz_).setIdentity();
+  return result;
 }
 
 void Splitter::take_motion() {
@@ -329,9 +338,9 @@ void Splitter::take_motion() {
   result_.projector = motion_.projector();
   result_.constraints.resize(fast_, n_ + nz_);
   result_.constraints << off_, -product(off_, motion_.lift());
-  const WideMatrix a = system_.unrounded_matrices()->a.topLeftCorner(n_, n_);
-  const Wide change = linalg::absolute_product(motion_.slow_coordinates(), linalg::absolute_product(a, slow)).norm();
-  result_.rate_doubt = tolerance::rate_rounding * static_cast<double>(change);
+  const auto size = [](const WideMatrix& m) { return Matrix(m.cast<double>().cwiseAbs()); };
+  const Matrix change = size(motion_.slow_coordinates()) * (system_.a.topLeftCorner(n_, n_).cwiseAbs() * size(slow));
+  result_.rate_doubt = tolerance::rate_rounding * change.norm();
   result_.slow = slow;
   result_.of_rows = motion_.of_rows();
   result_.lift = motion_.lift();
