@@ -38,6 +38,10 @@ const Mode* ModeStore::slow_mode(const IndexSet& set) {
   return about.slow.get();
 }
 
+bool ModeStore::may_split(const Mode& whole) const {
+  return unseen_ > 0.0 && system_.ports > 0 && whole.norm_a * brief_per_unseen * unseen_ > 1.0;
+}
+
 /// Decays that are followed beside far faster ones that are not (an inductor behind 1 TΩ and one behind 1 MΩ) are split off alone, too: in the mode itself each of
 /// their time constants would be millions of the others.
 void ModeStore::split(Known& about, const Mode& whole) {

@@ -41,6 +41,8 @@ class ModeStore {
   const Mode& mode(const IndexSet& set);
   /// Its slow motion, if it has much faster decays; else null.
   const Mode* slow_mode(const IndexSet& set);
+  /// Whether the mode's rates are fast enough for that.
+  [[nodiscard]] bool may_split(const Mode& whole) const;
   /// Decays that end within `time`, s, are not followed. Before the first slow motion is asked for.
   void set_unseen(double time) { unseen_ = time; }
   [[nodiscard]] double unseen() const { return unseen_; }

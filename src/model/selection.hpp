@@ -98,7 +98,8 @@ class Selector {
   bool accepts(const Mode& mode, const double* x);
   bool is_violated(const Mode& mode, const double* x);
   [[nodiscard]] IndexSet with_falling_flipped(IndexSet set) const;
-  const Mode* by_repeated_rule(double* x, IndexSet set);
+  const Mode* by_repeated_rule(double* x, const IndexSet& set);
+  const Mode* in_rounds(double* x, IndexSet set);
   const Mode* search(double* x, const IndexSet& current, int trigger, bool& warm, bool& jumped);
   const Mode* try_without_jump(double* x, const IndexSet& set);
   [[nodiscard]] IndexSet with_flipped(const IndexSet& set, int port);
@@ -110,7 +111,7 @@ class Selector {
   const Mode* from_rcp(double* x, const IndexSet& wanted, bool& jumped);
   const Mode* jump_into(const Mode& mode, double* x);
   const Mode* from_all_modes(double* x, const IndexSet& wanted, bool& jumped);
-  bool is_out_of_question(const IndexSet& set, const double* x);
+  [[nodiscard]] IndexSet with_fallen_flipped(const IndexSet& set, const double* x);
   const Mode* from_neighbourhood(double* x, const IndexSet& wanted, int radius);
   bool impulse_allowed(const Mode& mode, const double* x, const double* after);
   const Mode* with_free_ports(double* x, const Mode& found);
