@@ -332,3 +332,30 @@ TEST_CASE("charges of jumps by exact segments are those of their capacitors", "[
   const double before = 0.5 * (1.0 - std::exp(-1e-3 / 3e-3));  // v(b): R with C2 alone, as the diode blocks while v(b) rises
   CHECK(deliveries.of_first.front() == Approx((6.0 - before) * 1.2e-6).epsilon(engine_error));
 }
+
+// The diode makes its node ground, so that the coil's current is (1 − e^(−R t/L)) V/R and nothing reaches what is behind. Rounding there once opened the second diode, and in the end no position
+// was found.
+TEST_CASE("what is behind a diode that conducts to ground stays at rest by exact segments", "[unit]") {
+  Circuit c;
+  c.v("s", "0", model::Dc{10.0});
+  c.r("s", "a", 10.0);
+  c.l("a", "x", 1e-3);
+  c.d("x", "0");
+  c.l("x", "b", 1e-6);
+  c.r("b", "y", 5.0);
+  c.c("y", "0", 1e-8, 0.0);
+  c.l("y", "e", 1e-6);
+  c.c("e", "0", 2e-8, 0.0);
+  c.d("e", "0");
+  c.save_i_d(0);
+  c.save_v("y");
+  c.save_v("e");
+  c.save_i_d(1);
+  const Run run = simulate_segments(c.network(), {.stop = 1e-3, .steps = 100, .uic = true});
+  INFO(run.answer.id << " " << run.answer.message);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  for (std::size_t row = 1; row < run.rows.size(); ++row) {
+    CHECK(run.at(row, 0) == Approx(1.0 - std::exp(-static_cast<double>(row) / 10.0)).epsilon(engine_error));
+    for (std::size_t signal = 1; signal < 4; ++signal) CHECK(run.at(row, signal) == 0.0);
+  }
+}

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "engine/sparse/factors.hpp"
+#include "engine/sparse/resting_parts.hpp"
 #include "engine/sparse/start_change.hpp"
 #include "linalg/dense.hpp"
 #include "linalg/exponential.hpp"
@@ -132,6 +133,7 @@ class KrylovSpace {
   const Descriptor& descriptor_;
   const model::Exosystem& exosystem_;
   StartChange change_;
+  RestingParts resting_;
   std::vector<char> differential_;
   std::vector<double> state_weight_;
   double weight_of_voltages_ = 0.0, weight_of_currents_ = 0.0;  ///< root of the sum of their squares
