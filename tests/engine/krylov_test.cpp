@@ -359,3 +359,36 @@ TEST_CASE("what is behind a diode that conducts to ground stays at rest by exact
     for (std::size_t signal = 1; signal < 4; ++signal) CHECK(run.at(row, signal) == 0.0);
   }
 }
+
+// At 44 µs the switch cuts off the current of the inductor, which is lost; C discharges through R from there: e^(−t/RC). 1 nF across a diode of 1 mΩ has a time constant of 10⁻¹² s, far below the step
+// that takes the jump.
+TEST_CASE("a switch cuts an inductor's current off beside picoseconds by exact segments", "[unit]") {
+  Circuit c;
+  c.v("g", "0", model::Pulse{0.0, 1.0, 12e-6, 0.0, 0.0, 32e-6, 1e-4});
+  c.c("p", "n5", 17e-6, 50.0);
+  c.s("p", "n6", "g", "0", 0.5);
+  const auto string = [&](int first, int last) {
+    for (int i = first; i < last; ++i) c.d("n" + std::to_string(i), "n" + std::to_string(i + 1), 0.3);
+  };
+  string(0, 5);
+  string(6, 14);
+  for (auto& diode : c.network().diodes) diode.resistance = 1e-3;
+  c.v("0", "n0", model::Dc{0.0});
+  c.network().switches.front().resistance = 0.02;
+  c.r("n5", "n4", 0.02);
+  c.c("n5", "n4", 1e-9, 0.0);
+  c.c("n14", "n13", 1e-9, 0.0);
+  const int coil = c.l("n14", "out", 1e-3);
+  c.c("out", "0", 1e-6, 0.0);
+  c.r("out", "0", 20.0);
+  c.save_i_l(coil);
+  c.save_v("out");
+  const Run run = simulate_segments(c.network(), {.stop = 70e-6, .steps = 70, .uic = true});
+  INFO(run.answer.id << " " << run.answer.message);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  CHECK(run.at(43, 0) > 0.5);
+  for (std::size_t row = 45; row <= 70; ++row) {
+    CHECK(std::abs(run.at(row, 0)) < engine_error);
+    CHECK(run.at(row, 1) == Approx(run.at(45, 1) * std::exp(-static_cast<double>(row - 45) / 20.0)).epsilon(engine_error));
+  }
+}

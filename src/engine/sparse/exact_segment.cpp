@@ -230,7 +230,8 @@ double ExactSegment::step(Factors& factors, const Start& start, std::vector<doub
 
 bool ExactSegment::take_back(double h, std::vector<double>& z) {
   const linalg::Matrix& a = space_.flow().a();
-  if (!(estimate_ * (1.0 + h * a.norm()) <= tolerance::converged_rounding * size_)) return false;
+  const double rounding = tolerance::row_rounding * space_.loss() * h * a.norm() * size_;
+  if (!(h * space_.defect_at_start() + rounding <= tolerance::converged_rounding * size_)) return false;
   const linalg::Vector y = space_.first() - h * (a * space_.first());
   space_.unknowns(y.data(), z);
   return true;

@@ -21,7 +21,11 @@ constexpr double most_growth = 1e3;  ///< of y over a segment: more is made of r
 }  // namespace
 
 KrylovSpace::KrylovSpace(const Descriptor& descriptor, const model::Exosystem& exosystem)
-    : descriptor_(descriptor), exosystem_(exosystem), change_(descriptor, exosystem), resting_(descriptor), differential_(descriptor.differential_rows()) {
+    : descriptor_(descriptor),
+      exosystem_(exosystem),
+      change_(descriptor, exosystem),
+      resting_(descriptor),
+      differential_(descriptor.differential_rows()) {
   const double r0 = descriptor.r0();
   for (const State& state : descriptor.states()) {
     state_weight_.push_back(std::sqrt(std::abs(state.storage) * (state.is_current ? 1.0 / r0 : r0)));
@@ -179,6 +183,8 @@ double KrylovSpace::turning(double least) const {
   const double bound = 0.5 * (a - a.transpose()).norm();  // Bendixson
   return bound > least ? a.eigenvalues().imag().cwiseAbs().maxCoeff() : bound;
 }
+
+double KrylovSpace::defect_at_start() const { return h_ * std::abs(last_row_.dot(flow_.a() * first_) - shift_ * last_row_.dot(first_)); }
 
 const std::vector<KrylovSpace::Checkpoint>& KrylovSpace::estimate(double length) {
   const int m = dimension_;

@@ -70,6 +70,8 @@ class KrylovSpace {
   /// The error in the norm of the space at up to `checkpoints` times, the last of them length: h|b(τ)| and a tenth of h ∫|b' − b/γ|; and a thousandth of h|b(0)|, which is
   /// far too large where the start is rough.
   static constexpr int checkpoints = 32;
+  /// √energy a second by which y' at the start misses the equations, in the norm of the space.
+  [[nodiscard]] double defect_at_start() const;
   struct Checkpoint {
     double tau = 0.0, error = 0.0;
     double rounding = 0.0;  ///< a bound of ∫ Σ δ_i |c_i| dτ/γ: what the rounding δ_i of T z_i, of which y' is made, adds up to, c = K y
