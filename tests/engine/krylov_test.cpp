@@ -392,3 +392,28 @@ TEST_CASE("a switch cuts an inductor's current off beside picoseconds by exact s
     CHECK(run.at(row, 1) == Approx(run.at(45, 1) * std::exp(-static_cast<double>(row - 45) / 20.0)).epsilon(engine_error));
   }
 }
+
+// A transformer of ratio 2 whose leakage, 2e-6 of its inductance, has time constants of 10⁻¹² and 10⁻¹³ s: its diode turns on 10⁻¹⁶ s after the edge. Without leakage v(s) = 2 I/G e^(−t/τ), I the source's
+// current into a short circuit with what the drop drives back, G all conductances at the primary, τ = L G.
+TEST_CASE("a diode turns on within the fastest decay after an edge by exact segments", "[unit]") {
+  constexpr double source = 100.0, resistance = 0.7, inductance = 2.1e-4, load = 445.0, damping = 1e4, drop = 0.3, ratio = 2.0;
+  constexpr double leakage = 1e-5;  ///< allowed for it
+  Circuit c;
+  c.v("in", "0", model::Dc{source});
+  c.r("in", "p", resistance);
+  const int primary = c.l("p", "0", inductance), secondary = c.l("s", "0", ratio * ratio * inductance);
+  c.k(primary, secondary, 0.999999);
+  c.d("s", "o", drop);
+  c.network().diodes.front().resistance = 1e-3;
+  c.r("o", "0", load);
+  c.r("s", "0", damping);
+  c.save_v("s");
+  const Run run = simulate_segments(c.network(), {.stop = 5e-6, .steps = 50, .uic = true});
+  INFO(run.answer.id << " " << run.answer.message);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  const double current = source / resistance + ratio * drop / load;
+  const double conductance = 1.0 / resistance + ratio * ratio / load + ratio * ratio / damping;
+  for (std::size_t row = 1; row <= 50; ++row)
+    CHECK(run.at(row, 0) ==
+          Approx(ratio * current / conductance * std::exp(-1e-7 * static_cast<double>(row) / (inductance * conductance))).epsilon(leakage));
+}

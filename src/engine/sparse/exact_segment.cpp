@@ -93,7 +93,7 @@ void ExactSegment::note_least_voltage(double least) {
 double ExactSegment::usual_length(const Position& on, double longest) const {
   const auto habit = habits_.find(key(on));
   const double period = std::min(sources_.shortest_period() / 8.0, first_share * stop_);
-  return std::min(longest, habit != habits_.end() && habit->second.length > 0.0 ? habit->second.length : period);
+  return std::min(longest, share_ * (habit != habits_.end() && habit->second.length > 0.0 ? habit->second.length : period));
 }
 
 /// 1/γ of a rung, or one that the position has a factor for.
