@@ -428,12 +428,17 @@ class Finder {
   }
 
   void remark_on_orbit() {
+    constexpr double doubtful_orbit = 1e-9;  // of the largest of a unit: what orbits by segments agree to
     const Orbit& orbit = state_.orbit;
     if (!orbit.kink.empty())
       say(Severity::warning, "W-pss-graze",
           fmt::format("the orbit has no derivative here: {}; multipliers and stability are not known", orbit.kink));
     if (!orbit.unknown_stability.empty())
       say(Severity::warning, "W-pss-graze", fmt::format("the orbit's stability is not known: {}", orbit.unknown_stability));
+    if (orbit.uncertainty > doubtful_orbit)
+      say(Severity::warning, "W-pss-inexact",
+          "the orbit is known to fewer than nine digits of its largest voltage or current: rounding of a period moves it; try --engine "
+          "modes");
     for (const steady::NamedBeside& beside : orbit.named_beside)
       say(Severity::warning, "W-pss-graze", beside_text(beside.name, beside.time));
     for (const steady::Touch& touch : steady::touches(orbit.trace))

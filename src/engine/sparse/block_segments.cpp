@@ -32,7 +32,8 @@ struct Relaxation {
 };
 constexpr std::array<Relaxation, 7> relaxations{
     {{1.0, false}, {1.0, true}, {1.0, false, 0x1p-12}, {1.0, false, 0x1p-24}, {30.0, true}, {1e3, true}, {1e3, false}}};
-constexpr char idle_mark = 2;  ///< of a port that is on and carries nothing
+constexpr double shortest_with_jumps = 1e-5;  ///< of the usual length: in steps for shorter segments impulses leave states no digits
+constexpr char idle_mark = 2;                 ///< of a port that is on and carries nothing
 constexpr std::size_t last_coefficients = 3;
 /// Chebyshev points of (0, 1): where the certificate looks inside of a segment, whose ends may both lie near zero.
 constexpr std::array<double, 3> inner_points{0.066987298107780677, 0.5, 0.93301270189221932};
@@ -63,7 +64,7 @@ Block::Sought Block::seek_segment(const Beginning& beginning, Instant& instant, 
   const auto opened = open_segment(first_.on);
   if (opened == ExactSegment::Opened::singular) trial_.solved = Solved::singular;
   if (opened == ExactSegment::Opened::contradicted) trial_.solved = Solved::no_position;
-  if (opened == ExactSegment::Opened::unresolved) return jump_by_step(Point(first_), h);
+  if (opened == ExactSegment::Opened::unresolved && segment_->share() >= shortest_with_jumps) return jump_by_step(Point(first_), h);
   if (opened != ExactSegment::Opened::yes) return Sought::not_found;
   const Position on = point_.on = first_.on;
   const Point step = first_;
@@ -79,7 +80,7 @@ Block::Sought Block::seek_segment(const Beginning& beginning, Instant& instant, 
   first_ = step;
   if (settle_ties(z, on, -1, h) || (open_segment(on) == ExactSegment::Opened::yes && flip_negative(on, most_flips) && is_continuous()))
     return Sought::found;
-  if (!differs || open_segment(on) != ExactSegment::Opened::yes) return Sought::not_found;
+  if (!differs || segment_->share() < shortest_with_jumps || open_segment(on) != ExactSegment::Opened::yes) return Sought::not_found;
   point_.on = on;
   segment_->unknowns(segment_->at(0.0), first_.z);
   return take_jump_of(step, h);
@@ -87,6 +88,7 @@ Block::Sought Block::seek_segment(const Beginning& beginning, Instant& instant, 
 
 /// Whether the Euler step that found the position jumps where the segment does. A segment of many scales may miss the point it begins at.
 bool Block::is_shared_by(const Point& step) const {
+  if (segment_->share() < shortest_with_jumps) return false;
   return !start_memory_.empty() || segment_->distance(step.z, first_.z) <= shared_jump * segment_->distance(point_.z, first_.z);
 }
 

@@ -27,6 +27,7 @@ class ExactSegment {
   [[nodiscard]] double relaxation() const { return relaxation_; }
   /// Segments are first made for that share of their usual length: what decays within them is then followed.
   void shorten(double share) { share_ = share; }
+  [[nodiscard]] double share() const { return share_; }
   /// The port whose guard has just passed zero, on its other side; −1: none.
   void note_passing(int port) { passing_ = port; }
 
