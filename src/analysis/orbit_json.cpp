@@ -65,6 +65,7 @@ void write_orbit(JsonWriter& json, const SteadyState* state) {
   json.member("multiple", std::to_string(state->multiple));
   member_list("sources", sources);
   json.member("residual", json_number(orbit.residual));
+  json.member("uncertainty", orbit.has_leading_only ? json_number(orbit.uncertainty) : "null");
   json.member("iterations", std::to_string(orbit.iterations));
   json.member("periods_simulated", std::to_string(orbit.periods_simulated));
   json.member("condition", orbit.has_leading_only ? "null" : json_number(1.0 / orbit.least_singular));

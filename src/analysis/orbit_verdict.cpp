@@ -19,6 +19,8 @@ using Trigger = circuit::SteadyStateAnalysis::Trigger;
 using steady::Orbit;
 using steady::Verdict;
 
+constexpr double doubtful_orbit = 1e-9;  ///< of the largest of a unit: what orbits by segments agree to
+
 class OrbitJudge {
  public:
   OrbitJudge(const circuit::SteadyStateAnalysis& card, SteadyState& state) : card_(card), state_(state) {}
@@ -131,6 +133,10 @@ class OrbitJudge {
           fmt::format("the orbit has no derivative here: {}; multipliers and stability are not known", orbit.kink));
     if (!orbit.unknown_stability.empty())
       say(Severity::warning, "W-pss-graze", fmt::format("the orbit's stability is not known: {}", orbit.unknown_stability));
+    if (orbit.uncertainty > doubtful_orbit)
+      say(Severity::warning, "W-pss-inexact",
+          "the orbit is known to fewer than nine digits of its largest voltage or current: rounding of a period moves it; try --engine "
+          "modes");
     for (const steady::NamedBeside& beside : orbit.named_beside)
       say(Severity::warning, "W-pss-graze", beside_text(beside.name, beside.time));
     for (const steady::Touch& touch : steady::touches(orbit.trace))

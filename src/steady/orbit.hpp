@@ -65,6 +65,7 @@ struct Orbit {
   std::vector<Vector> free_directions;  ///< of a family of orbits
   Vector drift;                         ///< of ξ per period, if it drifts
   std::vector<Multiplier> multipliers;  ///< the largest first; those that are zero are left out
+  double uncertainty = 0.0;             ///< of Krylov segments: how far a store may be beside the orbit, of the largest of its unit
   bool has_leading_only = false;        ///< of the multipliers: found by Krylov segments
   std::string unknown_stability;        ///< then why the largest is not known; "" if it is
   std::vector<NamedBeside> named_beside;

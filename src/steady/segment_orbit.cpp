@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "steady/derivative_space.hpp"
@@ -33,6 +35,7 @@ constexpr int most_inner = 8;                                 ///< steps of Newt
 constexpr double damping = 0.25, least_damping = 1.0 / 64.0;  ///< of those that do not lessen it
 constexpr double at_one = 1e-9;                               ///< of an eigenvalue: it is 1
 constexpr double outside = 1e-9;                              ///< of the largest state: a residual that no step takes away
+constexpr double exact_orbit = 1e-12;                         ///< of the largest state: a smaller residual leaves nothing to look at
 constexpr int drifts_followed = 5;
 constexpr int leading = 6;                 ///< multipliers sought
 constexpr double known_multiplier = 1e-9;  ///< its residual
@@ -304,9 +307,36 @@ class SegmentSearch {
   Orbit finish() {
     orbit_.verdict = Verdict::found;
     orbit_.residual = norm_ / orbit_.largest;
+    take_uncertainty();
     take_multipliers();
     take_repeats();
     return std::move(orbit_);
+  }
+
+  /// What is left of a step of Newton's method, or where that has no derivative, of the residual: rounding of a lap leaves the more, the slower the orbit attracts.
+  void take_uncertainty() {
+    orbit_.uncertainty = share_of_unit(residual_);
+    if (norm_ <= exact_orbit * orbit_.largest) return;
+    const auto space = space_for(residual_, 1.0, enough_far_away);
+    orbit_.kink.clear();
+    if (space && space->part_at_one(at_one).norm() == 0.0)
+      orbit_.uncertainty = std::max(orbit_.uncertainty, share_of_unit(space->solve(1.0).delta));
+  }
+
+  /// The largest of a deviation's stores, of the largest of its unit at the end of the lap.
+  [[nodiscard]] double share_of_unit(const Vector& deviation) const {
+    const Vector values = map_.values(map_.energies(map_.unknowns(end_))), apart = map_.values(map_.energies(deviation));
+    std::map<std::string, double> largest;
+    const auto& stores = map_.stores();
+    for (std::size_t i = 0; i < stores.size(); ++i) {
+      double& most = largest[stores[i].unit];
+      most = std::max(most, std::abs(values[static_cast<Eigen::Index>(i)]));
+    }
+    double share = 0.0;
+    for (std::size_t i = 0; i < stores.size(); ++i)
+      if (const double most = largest[stores[i].unit]; most > 0.0)
+        share = std::max(share, std::abs(apart[static_cast<Eigen::Index>(i)]) / most);
+    return share;
   }
 
   /// From a vector in which all take part.

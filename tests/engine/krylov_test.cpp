@@ -332,3 +332,88 @@ TEST_CASE("charges of jumps by exact segments are those of their capacitors", "[
   const double before = 0.5 * (1.0 - std::exp(-1e-3 / 3e-3));  // v(b): R with C2 alone, as the diode blocks while v(b) rises
   CHECK(deliveries.of_first.front() == Approx((6.0 - before) * 1.2e-6).epsilon(engine_error));
 }
+
+// The diode makes its node ground, so that the coil's current is (1 − e^(−R t/L)) V/R and nothing reaches what is behind. Rounding there once opened the second diode, and in the end no position
+// was found.
+TEST_CASE("what is behind a diode that conducts to ground stays at rest by exact segments", "[unit]") {
+  Circuit c;
+  c.v("s", "0", model::Dc{10.0});
+  c.r("s", "a", 10.0);
+  c.l("a", "x", 1e-3);
+  c.d("x", "0");
+  c.l("x", "b", 1e-6);
+  c.r("b", "y", 5.0);
+  c.c("y", "0", 1e-8, 0.0);
+  c.l("y", "e", 1e-6);
+  c.c("e", "0", 2e-8, 0.0);
+  c.d("e", "0");
+  c.save_i_d(0);
+  c.save_v("y");
+  c.save_v("e");
+  c.save_i_d(1);
+  const Run run = simulate_segments(c.network(), {.stop = 1e-3, .steps = 100, .uic = true});
+  INFO(run.answer.id << " " << run.answer.message);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  for (std::size_t row = 1; row < run.rows.size(); ++row) {
+    CHECK(run.at(row, 0) == Approx(1.0 - std::exp(-static_cast<double>(row) / 10.0)).epsilon(engine_error));
+    for (std::size_t signal = 1; signal < 4; ++signal) CHECK(run.at(row, signal) == 0.0);
+  }
+}
+
+// At 44 µs the switch cuts off the current of the inductor, which is lost; C discharges through R from there: e^(−t/RC). 1 nF across a diode of 1 mΩ has a time constant of 10⁻¹² s, far below the step
+// that takes the jump.
+TEST_CASE("a switch cuts an inductor's current off beside picoseconds by exact segments", "[unit]") {
+  Circuit c;
+  c.v("g", "0", model::Pulse{0.0, 1.0, 12e-6, 0.0, 0.0, 32e-6, 1e-4});
+  c.c("p", "n5", 17e-6, 50.0);
+  c.s("p", "n6", "g", "0", 0.5);
+  const auto string = [&](int first, int last) {
+    for (int i = first; i < last; ++i) c.d("n" + std::to_string(i), "n" + std::to_string(i + 1), 0.3);
+  };
+  string(0, 5);
+  string(6, 14);
+  for (auto& diode : c.network().diodes) diode.resistance = 1e-3;
+  c.v("0", "n0", model::Dc{0.0});
+  c.network().switches.front().resistance = 0.02;
+  c.r("n5", "n4", 0.02);
+  c.c("n5", "n4", 1e-9, 0.0);
+  c.c("n14", "n13", 1e-9, 0.0);
+  const int coil = c.l("n14", "out", 1e-3);
+  c.c("out", "0", 1e-6, 0.0);
+  c.r("out", "0", 20.0);
+  c.save_i_l(coil);
+  c.save_v("out");
+  const Run run = simulate_segments(c.network(), {.stop = 70e-6, .steps = 70, .uic = true});
+  INFO(run.answer.id << " " << run.answer.message);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  CHECK(run.at(43, 0) > 0.5);
+  for (std::size_t row = 45; row <= 70; ++row) {
+    CHECK(std::abs(run.at(row, 0)) < engine_error);
+    CHECK(run.at(row, 1) == Approx(run.at(45, 1) * std::exp(-static_cast<double>(row - 45) / 20.0)).epsilon(engine_error));
+  }
+}
+
+// A transformer of ratio 2 whose leakage, 2e-6 of its inductance, has time constants of 10⁻¹² and 10⁻¹³ s: its diode turns on 10⁻¹⁶ s after the edge. Without leakage v(s) = 2 I/G e^(−t/τ), I the source's
+// current into a short circuit with what the drop drives back, G all conductances at the primary, τ = L G.
+TEST_CASE("a diode turns on within the fastest decay after an edge by exact segments", "[unit]") {
+  constexpr double source = 100.0, resistance = 0.7, inductance = 2.1e-4, load = 445.0, damping = 1e4, drop = 0.3, ratio = 2.0;
+  constexpr double leakage = 1e-5;  ///< allowed for it
+  Circuit c;
+  c.v("in", "0", model::Dc{source});
+  c.r("in", "p", resistance);
+  const int primary = c.l("p", "0", inductance), secondary = c.l("s", "0", ratio * ratio * inductance);
+  c.k(primary, secondary, 0.999999);
+  c.d("s", "o", drop);
+  c.network().diodes.front().resistance = 1e-3;
+  c.r("o", "0", load);
+  c.r("s", "0", damping);
+  c.save_v("s");
+  const Run run = simulate_segments(c.network(), {.stop = 5e-6, .steps = 50, .uic = true});
+  INFO(run.answer.id << " " << run.answer.message);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  const double current = source / resistance + ratio * drop / load;
+  const double conductance = 1.0 / resistance + ratio * ratio / load + ratio * ratio / damping;
+  for (std::size_t row = 1; row <= 50; ++row)
+    CHECK(run.at(row, 0) ==
+          Approx(ratio * current / conductance * std::exp(-1e-7 * static_cast<double>(row) / (inductance * conductance))).epsilon(leakage));
+}

@@ -84,7 +84,7 @@ void check_networks(const std::string& name, int first, int count, int allowed) 
 TEST_CASE("random networks by Krylov segments agree with the exact engine, or end in an error", "[property]") {
   // So many end in an error today (docs/developer/open-ends.md); no more may.
   static const std::map<std::string, int> most_named{{"all parts", 0},   {"no sources", 0}, {"little resistance", 1},
-                                                     {"many diodes", 1}, {"floating", 2},   {"up to twelve ports", 2}};
+                                                     {"many diodes", 1}, {"floating", 1},   {"up to twelve ports", 2}};
   const auto [name, allowed] = GENERATE(from_range(most_named));
   check_networks(name, 0, networks, allowed);
 }
@@ -107,9 +107,16 @@ TEST_CASE("networks that were wrong by Krylov segments agree", "[property]") {
   CHECK(outcome.kind == Kind::agrees);
 }
 
+// A jump in steps of 10⁻¹¹ of the usual length, whose impulses left states no digits, was 2e-4 off.
+TEST_CASE("a network without a position by Krylov segments ends in an error", "[property]") {
+  const Outcome outcome = run_both(make_random_network(40969, family("floating").recipe));
+  INFO(outcome.what);
+  CHECK(outcome.kind != Kind::silent);
+}
+
 TEST_CASE("1,000 other networks of each family by Krylov segments", "[property][long]") {
-  static const std::map<std::string, int> most_named{{"all parts", 8},   {"no sources", 9}, {"little resistance", 10},
-                                                     {"many diodes", 7}, {"floating", 16},  {"up to twelve ports", 15}};
+  static const std::map<std::string, int> most_named{{"all parts", 4},   {"no sources", 5}, {"little resistance", 6},
+                                                     {"many diodes", 4}, {"floating", 9},   {"up to twelve ports", 10}};
   const auto [name, allowed] = GENERATE(from_range(most_named));
   check_networks(name, others, others, allowed);
 }

@@ -100,6 +100,8 @@ class Descriptor {
  public:
   explicit Descriptor(const model::Network& network);
 
+  [[nodiscard]] const model::Network& network() const { return network_; }
+  [[nodiscard]] const model::Unknowns& unknowns() const { return unknowns_; }
   [[nodiscard]] int size() const { return unknowns_.size(); }
   /// The first unknowns are node voltages.
   [[nodiscard]] int nodes() const { return static_cast<int>(network_.nodes.size()); }

@@ -27,6 +27,7 @@ constexpr double near = 8.0;                ///< a shift that a position has alr
 constexpr double first_share = 1.0 / 64.0;  ///< of the run: a first segment
 constexpr double longer_than_last = 1.3;    ///< a segment is made for this much more than the last in its position
 constexpr double longer_than_end = 2.0;     ///< or that, where nothing ended it
+constexpr int most_no_better = 3;           ///< looks at an error that do not lessen it: it is rounding
 constexpr int most_cuts = 12, most_doublings = 3;
 constexpr double first_look = 2.0, next_look = 4.0;  ///< how far events are looked for, of the expected length, and then of that
 constexpr double shorter = 32.0;                     ///< a segment that cannot be made is tried again at so small a part
@@ -92,7 +93,7 @@ void ExactSegment::note_least_voltage(double least) {
 double ExactSegment::usual_length(const Position& on, double longest) const {
   const auto habit = habits_.find(key(on));
   const double period = std::min(sources_.shortest_period() / 8.0, first_share * stop_);
-  return std::min(longest, habit != habits_.end() && habit->second.length > 0.0 ? habit->second.length : period);
+  return std::min(longest, share_ * (habit != habits_.end() && habit->second.length > 0.0 ? habit->second.length : period));
 }
 
 /// 1/γ of a rung, or one that the position has a factor for.
@@ -113,8 +114,8 @@ double ExactSegment::shift_for(double length) {
 /// Grows the space until the estimate is within the tolerance over all of length_, or vectors are nothing but rounding and it is not far from that. False:
 /// it cannot.
 bool ExactSegment::resolve() {
-  double before = INFINITY;
-  int last = 0;
+  double before = INFINITY, best = INFINITY;
+  int last = 0, best_at = 0, no_better = 0;
   for (int m = dimensions.front();;) {
     space_.grow(m);
     if (!space_.is_sound()) break;
@@ -122,7 +123,12 @@ bool ExactSegment::resolve() {
     estimate_ = largest_error(points);
     if (estimate_ <= tolerance_ * size_ || (space_.is_full() && estimate_ <= tolerance::converged_rounding * size_)) return true;
     if (space_.is_full()) break;
-    if (!(estimate_ < before) && before <= tolerance::converged_rounding * size_) break;
+    no_better = estimate_ < best ? 0 : no_better + 1;
+    if (no_better == 0) {
+      best = estimate_;
+      best_at = m;
+    }
+    if (no_better >= most_no_better && best <= tolerance::converged_rounding * size_) break;
     const int next = next_dimension(last, before, m, estimate_, tolerance_ * size_);
     before = estimate_;
     last = m;
@@ -132,9 +138,9 @@ bool ExactSegment::resolve() {
     }
     m = next;
   }
-  if (last == 0 || !(before <= tolerance::converged_rounding * size_)) return false;
-  space_.shrink(last);
-  estimate_ = before;
+  if (best_at == 0 || !(best <= tolerance::converged_rounding * size_)) return false;
+  space_.shrink(best_at);
+  estimate_ = best;
   if (space_.is_sound()) (void)space_.estimate(length_);
   return space_.is_sound();
 }
@@ -224,7 +230,8 @@ double ExactSegment::step(Factors& factors, const Origin& start, std::vector<dou
 
 bool ExactSegment::take_back(double h, std::vector<double>& z) {
   const linalg::Matrix& a = space_.flow().a();
-  if (!(estimate_ * (1.0 + h * a.norm()) <= tolerance::converged_rounding * size_)) return false;
+  const double rounding = tolerance::row_rounding * space_.loss() * h * a.norm() * size_;
+  if (!(h * space_.defect_at_start() + rounding <= tolerance::converged_rounding * size_)) return false;
   const linalg::Vector y = space_.first() - h * (a * space_.first());
   space_.unknowns(y.data(), z);
   return true;

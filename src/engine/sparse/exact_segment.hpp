@@ -25,6 +25,9 @@ class ExactSegment {
     takes_positive_ = takes_positive;
   }
   [[nodiscard]] double relaxation() const { return relaxation_; }
+  /// Segments are first made for that share of their usual length: what decays within them is then followed.
+  void shorten(double share) { share_ = share; }
+  [[nodiscard]] double share() const { return share_; }
   /// The port whose guard has just passed zero, on its other side; −1: none.
   void note_passing(int port) { passing_ = port; }
 
@@ -151,7 +154,7 @@ class ExactSegment {
   const Descriptor& descriptor_;
   const Sources& sources_;
   const std::vector<Control>& controls_;
-  double tolerance_, stop_, least_voltage_ = 0.0, jump_voltage_ = 0.0, relaxation_ = 1.0;
+  double tolerance_, stop_, least_voltage_ = 0.0, jump_voltage_ = 0.0, relaxation_ = 1.0, share_ = 1.0;
   KrylovSpace space_;
   double start_ = 0.0, length_ = 0.0, peak_ = 0.0, worst_ = 0.0, estimate_ = 0.0, expected_ = 0.0, size_ = 0.0;
   double voltage_ = 0.0, current_ = 0.0;  ///< largest voltage, and other unknown, of the point it starts from, volts

@@ -47,6 +47,7 @@ void KrylovSpace::solve(std::vector<double>& r, const Vector& zeta) {
   given_ = r;
   factor_->solve(r);
   settle(r, zeta);
+  resting_.hold(r);
 }
 
 /// What the factor leaves open or only nearly holds in a solution.

@@ -21,7 +21,11 @@ constexpr double most_growth = 1e3;  ///< of y over a segment: more is made of r
 }  // namespace
 
 KrylovSpace::KrylovSpace(const Descriptor& descriptor, const model::Exosystem& exosystem)
-    : descriptor_(descriptor), exosystem_(exosystem), change_(descriptor, exosystem), differential_(descriptor.differential_rows()) {
+    : descriptor_(descriptor),
+      exosystem_(exosystem),
+      change_(descriptor, exosystem),
+      resting_(descriptor),
+      differential_(descriptor.differential_rows()) {
   const double r0 = descriptor.r0();
   for (const State& state : descriptor.states()) {
     state_weight_.push_back(std::sqrt(std::abs(state.storage) * (state.is_current ? 1.0 / r0 : r0)));
@@ -57,6 +61,7 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   h_matrix_.resize(1, 0);
   const Vector before = Eigen::Map<const Vector>(start.zeta.data(), static_cast<Eigen::Index>(start.zeta.size()));
   const Vector zeta = after_step(exosystem_, 1.0 / shift, before);
+  resting_.find(on, {start.z, start.more, !before.isZero(0.0)}, state_weight_, size);
   begin_change(start, before);
   given_ = right_;
   factor.solve(right_);
@@ -65,6 +70,7 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   for (std::size_t i = 0; i < right_.size(); ++i) right_[i] += start.z[i];
   rounding_ = std::hypot(rounding_, rounding_of_sums(right_));
   settle(right_, zeta);
+  resting_.hold(right_);
   if (contradicts(right_, zeta)) return Begun::contradicted;
   reserve(1);
   Vector x(measured_.rows());
@@ -177,6 +183,8 @@ double KrylovSpace::turning(double least) const {
   const double bound = 0.5 * (a - a.transpose()).norm();  // Bendixson
   return bound > least ? a.eigenvalues().imag().cwiseAbs().maxCoeff() : bound;
 }
+
+double KrylovSpace::defect_at_start() const { return h_ * std::abs(last_row_.dot(flow_.a() * first_) - shift_ * last_row_.dot(first_)); }
 
 const std::vector<KrylovSpace::Checkpoint>& KrylovSpace::estimate(double length) {
   const int m = dimension_;

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "engine/sparse/factors.hpp"
+#include "engine/sparse/resting_parts.hpp"
 #include "engine/sparse/start_change.hpp"
 #include "linalg/dense.hpp"
 #include "linalg/exponential.hpp"
@@ -69,6 +70,8 @@ class KrylovSpace {
   /// The error in the norm of the space at up to `checkpoints` times, the last of them length: h|b(τ)| and a tenth of h ∫|b' − b/γ|; and a thousandth of h|b(0)|, which is
   /// far too large where the start is rough.
   static constexpr int checkpoints = 32;
+  /// √energy a second by which y' at the start misses the equations, in the norm of the space.
+  [[nodiscard]] double defect_at_start() const;
   struct Checkpoint {
     double tau = 0.0, error = 0.0;
     double rounding = 0.0;  ///< a bound of ∫ Σ δ_i |c_i| dτ/γ: what the rounding δ_i of T z_i, of which y' is made, adds up to, c = K y
@@ -132,6 +135,7 @@ class KrylovSpace {
   const Descriptor& descriptor_;
   const model::Exosystem& exosystem_;
   StartChange change_;
+  RestingParts resting_;
   std::vector<char> differential_;
   std::vector<double> state_weight_;
   double weight_of_voltages_ = 0.0, weight_of_currents_ = 0.0;  ///< root of the sum of their squares

@@ -174,6 +174,7 @@ class PartRun {
   [[nodiscard]] bool follows_directly(const Position& candidate);
   enum class Sought { found, jumped, not_found };
   [[nodiscard]] Sought seek_segment(const Beginning& beginning, Instant& instant, double h);
+  [[nodiscard]] bool is_shared_by(const Point& step) const;
   [[nodiscard]] bool flip_negative(Position on, int rounds);
   [[nodiscard]] bool find_after_steps(const Beginning& beginning, Instant& instant);
   [[nodiscard]] ExactSegment::Opened open_segment(const Position& on);

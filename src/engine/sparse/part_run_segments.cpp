@@ -21,15 +21,19 @@ namespace {
 
 constexpr double euler_share = 1e-4, euler_room = 1.0 / 64.0;  ///< Euler steps, of the segment to come, and of what is known to happen next
 constexpr std::array<double, 5> euler_scales{1.0, 1.0 / 64.0, 16.0, 0x1p-12, 0x1p-18};
+constexpr double shared_jump = 0.5;           ///< of a jump: how far beside it a step that takes it may end
 constexpr int most_jumps = 8;                 ///< one after the other at an instant
 constexpr int most_flips = 8, few_flips = 2;  ///< rounds
-/// Of signs, where they agree in no position.
+/// Of signs, where they agree in no position; before that a closer look at what is fast.
 struct Relaxation {
   double factor;
   bool takes_positive;
+  double length = 1.0;
 };
-constexpr std::array<Relaxation, 5> relaxations{{{1.0, false}, {1.0, true}, {30.0, true}, {1e3, true}, {1e3, false}}};
-constexpr char idle_mark = 2;  ///< of a port that is on and carries nothing
+constexpr std::array<Relaxation, 7> relaxations{
+    {{1.0, false}, {1.0, true}, {1.0, false, 0x1p-12}, {1.0, false, 0x1p-24}, {30.0, true}, {1e3, true}, {1e3, false}}};
+constexpr double shortest_with_jumps = 1e-5;  ///< of the usual length: in steps for shorter segments impulses leave states no digits
+constexpr char idle_mark = 2;                 ///< of a port that is on and carries nothing
 constexpr std::size_t last_coefficients = 3;
 /// Chebyshev points of (0, 1): where the certificate looks inside of a segment, whose ends may both lie near zero.
 constexpr std::array<double, 3> inner_points{0.066987298107780677, 0.5, 0.93301270189221932};
@@ -60,13 +64,14 @@ PartRun::Sought PartRun::seek_segment(const Beginning& beginning, Instant& insta
   const auto opened = open_segment(first_.on);
   if (opened == ExactSegment::Opened::singular) trial_.solved = Solved::singular;
   if (opened == ExactSegment::Opened::contradicted) trial_.solved = Solved::no_position;
-  if (opened == ExactSegment::Opened::unresolved) return jump_by_step(Point(first_), h);
+  if (opened == ExactSegment::Opened::unresolved && segment_->share() >= shortest_with_jumps) return jump_by_step(Point(first_), h);
   if (opened != ExactSegment::Opened::yes) return Sought::not_found;
   const Position on = point_.on = first_.on;
   const Point step = first_;
   segment_->unknowns(segment_->at(0.0), first_.z);
   const bool differs = difference(states_, first_.z) > tolerance::jump;
   if (differs && segment_->distance(point_.z, first_.z) > least_distance()) {
+    if (!is_shared_by(step)) return Sought::not_found;
     instant.jump = true;
     return take_jump_of(step, h);
   }
@@ -75,10 +80,16 @@ PartRun::Sought PartRun::seek_segment(const Beginning& beginning, Instant& insta
   first_ = step;
   if (settle_ties(z, on, -1, h) || (open_segment(on) == ExactSegment::Opened::yes && flip_negative(on, most_flips) && is_continuous()))
     return Sought::found;
-  if (!differs || open_segment(on) != ExactSegment::Opened::yes) return Sought::not_found;
+  if (!differs || segment_->share() < shortest_with_jumps || open_segment(on) != ExactSegment::Opened::yes) return Sought::not_found;
   point_.on = on;
   segment_->unknowns(segment_->at(0.0), first_.z);
   return take_jump_of(step, h);
+}
+
+/// Whether the Euler step that found the position jumps where the segment does. A segment of many scales may miss the point it begins at.
+bool PartRun::is_shared_by(const Point& step) const {
+  if (segment_->share() < shortest_with_jumps) return false;
+  return !start_memory_.empty() || segment_->distance(step.z, first_.z) <= shared_jump * segment_->distance(point_.z, first_.z);
 }
 
 /// From a point without a jump, in a position that fits it but for ports at zero: these settle among themselves, in steps of several lengths until the signs of
@@ -155,6 +166,7 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
   const std::vector<double> z = point_.z, memory = start_memory_, states = states_;
   for (const Relaxation& relaxation : relaxations) {
     segment_->relax(relaxation.factor, relaxation.takes_positive);
+    segment_->shorten(relaxation.length);
     point_.z = z;
     start_memory_ = memory;
     states_ = states;
@@ -168,6 +180,7 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
   }
   if (found) found = share_freely();
   segment_->relax(1.0, false);
+  segment_->shorten(1.0);
   if (found || !failure_.id.empty()) return found;
   if (trial_.solved != Solved::yes) return fail_step(trial_.solved, 0.0);
   fail(Outcome::no_solution, "E-no-solution",

@@ -232,6 +232,9 @@ inline constexpr double known_digits = 1e-10;
 /// Why: a segment longer than it was made for may not lose more.
 inline constexpr double lengthened_rounding = 1e-11;
 /// Of: the largest √energy.
+/// Why: five units of rounding: what a solution leaves of the rest in a store that has nothing to do with it.
+inline constexpr double at_rest = 1e-15;
+/// Of: the largest √energy.
 /// Why: beyond it the states that a segment begins with are not those that were given.
 inline constexpr double start_rounding = 1e-8;
 /// Of: the largest √energy.
