@@ -45,6 +45,28 @@ SparseMatrix without_zeros(const SparsePattern& pattern, const std::vector<doubl
   return result;
 }
 
+SparseMatrix transposed(const SparseMatrix& matrix, int rows) {
+  const SparsePattern& p = matrix.pattern;
+  SparseMatrix result;
+  result.pattern.size = rows;
+  result.pattern.start.assign(static_cast<std::size_t>(rows) + 1, 0);
+  for (const int row : p.row)
+    if (row < rows) ++result.pattern.start[static_cast<std::size_t>(row) + 1];
+  std::partial_sum(result.pattern.start.begin(), result.pattern.start.end(), result.pattern.start.begin());
+  std::vector<int> next = result.pattern.start;
+  result.pattern.row.resize(static_cast<std::size_t>(next.back()));
+  result.values.resize(static_cast<std::size_t>(next.back()));
+  for (int j = 0; j < p.size; ++j)
+    for (auto k = static_cast<std::size_t>(p.start[static_cast<std::size_t>(j)]);
+         k < static_cast<std::size_t>(p.start[static_cast<std::size_t>(j) + 1]); ++k) {
+      if (p.row[k] >= rows) continue;
+      const auto place = static_cast<std::size_t>(next[static_cast<std::size_t>(p.row[k])]++);
+      result.pattern.row[place] = j;
+      result.values[place] = matrix.values[k];
+    }
+  return result;
+}
+
 void multiply(const SparsePattern& pattern, const std::vector<double>& values, const double* x, double* y) {
   std::fill(y, y + pattern.size, 0.0);
   for (int j = 0; j < pattern.size; ++j) {
@@ -57,9 +79,12 @@ void multiply(const SparsePattern& pattern, const std::vector<double>& values, c
 
 void multiply_absolute(const SparsePattern& pattern, const std::vector<double>& values, const double* x, double* y) {
   std::fill(y, y + pattern.size, 0.0);
-  for (int j = 0; j < pattern.size; ++j)
+  for (int j = 0; j < pattern.size; ++j) {
+    const double factor = x[j];
+    if (factor == 0.0) continue;
     for (int k = pattern.start[static_cast<std::size_t>(j)]; k < pattern.start[static_cast<std::size_t>(j) + 1]; ++k)
-      y[pattern.row[static_cast<std::size_t>(k)]] += std::abs(values[static_cast<std::size_t>(k)] * x[j]);
+      y[pattern.row[static_cast<std::size_t>(k)]] += std::abs(values[static_cast<std::size_t>(k)] * factor);
+  }
 }
 
 }  // namespace pwlsim::linalg

@@ -36,6 +36,8 @@ struct SparseMatrix {
 };
 /// Without the entries that are zero.
 [[nodiscard]] SparseMatrix without_zeros(const SparsePattern& pattern, const std::vector<double>& values);
+/// Its first rows as columns.
+[[nodiscard]] SparseMatrix transposed(const SparseMatrix& matrix, int rows);
 
 /// y = A x. y must not alias x.
 void multiply(const SparsePattern& pattern, const std::vector<double>& values, const double* x, double* y);

@@ -336,7 +336,7 @@ TEST_CASE("charges of jumps by exact segments are those of their capacitors", "[
 // The diode makes its node ground, so that the coil's current is (1 − e^(−R t/L)) V/R and nothing reaches what is behind. Rounding there once opened the second diode, and in the end no position
 // was found.
 TEST_CASE("what is behind a diode that conducts to ground stays at rest by exact segments", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("s", "0", model::Dc{10.0});
   c.r("s", "a", 10.0);
   c.l("a", "x", 1e-3);
@@ -363,7 +363,7 @@ TEST_CASE("what is behind a diode that conducts to ground stays at rest by exact
 // At 44 µs the switch cuts off the current of the inductor, which is lost; C discharges through R from there: e^(−t/RC). 1 nF across a diode of 1 mΩ has a time constant of 10⁻¹² s, far below the step
 // that takes the jump.
 TEST_CASE("a switch cuts an inductor's current off beside picoseconds by exact segments", "[unit]") {
-  Circuit c;
+  TestCircuit c;
   c.v("g", "0", model::Pulse{0.0, 1.0, 12e-6, 0.0, 0.0, 32e-6, 1e-4});
   c.c("p", "n5", 17e-6, 50.0);
   c.s("p", "n6", "g", "0", 0.5);
@@ -398,7 +398,7 @@ TEST_CASE("a switch cuts an inductor's current off beside picoseconds by exact s
 TEST_CASE("a diode turns on within the fastest decay after an edge by exact segments", "[unit]") {
   constexpr double source = 100.0, resistance = 0.7, inductance = 2.1e-4, load = 445.0, damping = 1e4, drop = 0.3, ratio = 2.0;
   constexpr double leakage = 1e-5;  ///< allowed for it
-  Circuit c;
+  TestCircuit c;
   c.v("in", "0", model::Dc{source});
   c.r("in", "p", resistance);
   const int primary = c.l("p", "0", inductance), secondary = c.l("s", "0", ratio * ratio * inductance);

@@ -15,7 +15,7 @@ namespace pwlsim::engine::sparse {
 namespace {
 
 /// Vectors at which the error is looked at; beyond the last the segment is made shorter.
-constexpr std::array<int, 15> dimensions{3, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 26, 30, 35, 40};
+constexpr std::array<int, 22> dimensions{3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30, 32, 34, 36, 38, 40};
 constexpr int least_to_foretell = 8;        ///< below so many vectors a look costs less than a vector
 constexpr double share_of_foretold = 0.8;   ///< convergence speeds up
 constexpr double steps_of_length = 16.0;    ///< length of a segment over γ
@@ -35,6 +35,11 @@ constexpr double most_rise = 1e6;                    ///< of them at the start o
 constexpr double most_loss = 1e6;                    ///< of vectors by orthogonalisation, in roundings
 constexpr double least_share = 1.0 / 256.0;          ///< of the usual length: shorter ones make no space of their own
 constexpr double muting = 30.0, most_muted = 1e6;
+constexpr double tolerances_of_run = 200.0, most_tolerances = 10.0;  ///< that may add up over the run, and that one segment may have
+constexpr int many_vectors = 20;                                     ///< so many cost more than the tolerance is worth
+constexpr double far_below = 1.0 / 8.0;                              ///< of the tolerance: an estimate with which fewer vectors are tried
+constexpr int vectors_of_signs = 3;                                  ///< enough for signs that are far from zero
+constexpr double share_of_error = 100.0;                             ///< at the start, of which a sign that is clear is no part
 
 /// Vectors at which to look again: the next dimension, or a share of the way to where the last two looks, at before and at now vectors, foretell the tolerance.
 int next_dimension(int before, double error_before, int now, double error_now, double wanted) {
@@ -116,12 +121,13 @@ double ExactSegment::shift_for(double length) {
 bool ExactSegment::resolve() {
   double before = INFINITY, best = INFINITY;
   int last = 0, best_at = 0, no_better = 0;
-  for (int m = dimensions.front();;) {
+  for (int m = first_dimension();;) {
     space_.grow(m);
     if (!space_.is_sound()) break;
     const auto& points = space_.estimate(length_);
     estimate_ = largest_error(points);
-    if (estimate_ <= tolerance_ * size_ || (space_.is_full() && estimate_ <= tolerance::converged_rounding * size_)) return true;
+    present_tolerance_ = tolerance_for(length_);
+    if (estimate_ <= present_tolerance_ * size_ || (space_.is_full() && estimate_ <= tolerance::converged_rounding * size_)) return true;
     if (space_.is_full()) break;
     no_better = estimate_ < best ? 0 : no_better + 1;
     if (no_better == 0) {
@@ -129,7 +135,7 @@ bool ExactSegment::resolve() {
       best_at = m;
     }
     if (no_better >= most_no_better && best <= tolerance::converged_rounding * size_) break;
-    const int next = next_dimension(last, before, m, estimate_, tolerance_ * size_);
+    const int next = next_dimension(last, before, m, estimate_, present_tolerance_ * size_);
     before = estimate_;
     last = m;
     if (m == dimensions.back()) {
@@ -145,6 +151,52 @@ bool ExactSegment::resolve() {
   return space_.is_sound();
 }
 
+/// As many as the position took before, or else each of the last two segments.
+int ExactSegment::first_dimension() const {
+  const auto habit = habits_.find(key_);
+  const int known = habit != habits_.end() ? habit->second.vectors : 0;
+  return std::max(dimensions.front(), known > 0 ? known : std::min(vectors_of_last_, vectors_of_one_before_));
+}
+
+/// Vectors that are to be expected where so many gave the present estimate: fewer where that is far below the tolerance.
+int ExactSegment::expected_vectors() const {
+  const int m = space_.dimension();
+  if (!(estimate_ < far_below * present_tolerance_ * size_)) return m;
+  const auto* const at = std::lower_bound(dimensions.begin(), dimensions.end(), m);
+  return at != dimensions.begin() ? *(at - 1) : dimensions.front();
+}
+
+/// Errors of segments add up: those that are much of the run, of which it has few, may have more where vectors are many.
+double ExactSegment::tolerance_for(double length) const {
+  if (keeps_tolerance_ || space_.dimension() < many_vectors) return tolerance_;
+  return std::clamp(tolerances_of_run * length / stop_, 1.0, most_tolerances) * tolerance_;
+}
+
+/// Whether few vectors show ports far on the wrong side right after the start. Those that are visibly on the wrong side then fall.
+bool ExactSegment::has_wrong_signs() {
+  space_.grow(vectors_of_signs);
+  if (!space_.is_sound()) return false;
+  std::vector<double> z, w;
+  space_.unknowns(space_.first().data(), z);
+  sources_.evaluate(start_, w);
+  const auto& ports = descriptor_.ports();
+  const auto count = static_cast<std::size_t>(descriptor_.first_switch());
+  double input = least_voltage_;
+  for (std::size_t i = 0; i < count; ++i) input = std::max(input, std::abs(z[static_cast<std::size_t>(ports[i].row)]));
+  const double margin = std::max(tolerance::clear_sign, share_of_error * space_.error_at_start() / size_);
+  negative_.clear();
+  bool is_clear = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool is_on = on_[i] != 0;
+    const double value = ports[i].free_variable(is_on, z.data(), w.data());
+    if (value >= 0.0 || ports[i].blocks(on_)) continue;
+    const double size = is_on ? input : std::max(least_voltage_, ports[i].slack_size(z.data(), w.data()));
+    is_clear |= value < -margin * size;
+    if (value < -tolerance::clear_sign * size) negative_.push_back(static_cast<int>(i));
+  }
+  return is_clear;
+}
+
 /// All vectors there are do not resolve a motion, and no oscillation asks for a shorter γ: from now on decays do.
 void ExactSegment::note_all_decays() {
   if (has_all_decays_ || space_.turning(usual_turn * space_.shift()) > usual_turn * space_.shift()) return;
@@ -156,7 +208,7 @@ void ExactSegment::note_all_decays() {
 bool ExactSegment::is_cut_within(const std::vector<KrylovSpace::Checkpoint>& points) {
   length_ = estimate_ = 0.0;
   for (const auto& point : points) {
-    if (!(point.error <= tolerance_ * size_)) break;
+    if (!(point.error <= present_tolerance_ * size_)) break;
     length_ = point.tau;
     estimate_ = std::max(estimate_, point.error);
   }
@@ -175,9 +227,11 @@ void ExactSegment::stretch(double longest) {
 bool ExactSegment::reaches(double longer) {
   const auto& points = space_.estimate(longer);
   const double most = largest_error(points);
-  if (!(most <= tolerance_ * size_) || !(points.back().rounding <= tolerance::lengthened_rounding * size_) || !has_digits()) return false;
+  if (!(most <= tolerance_for(longer) * size_) || !(points.back().rounding <= tolerance::lengthened_rounding * size_) || !has_digits())
+    return false;
   estimate_ = most;
   length_ = longer;
+  present_tolerance_ = tolerance_for(longer);
   return true;
 }
 
@@ -192,17 +246,37 @@ bool ExactSegment::has_digits() {
   return is_known(terms.voltage, voltage_, first.voltage) && is_known(terms.other, current_, first.other);
 }
 
+/// Begins the space for the signs alone, with a factor that may be rough. True: these are wrong. `is_begun`: the space is as good as any.
+bool ExactSegment::is_wrong_by_signs(Factors& factors, double shift, const Origin& start, bool& is_begun) {
+  const Factor* factor = factors.at(shift, start.on, passing_ < 0);
+  if (!factor) return false;
+  space_.begin_roughly(passing_ < 0);
+  const auto begun = space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_);
+  space_.begin_roughly(false);
+  if (begun != KrylovSpace::Begun::yes || !std::isfinite(space_.start_size())) return false;
+  size_ = std::max(peak_, space_.start_size());
+  is_begun = !factor->is_rough() && space_.is_refined();
+  return has_wrong_signs();
+}
+
 ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start) {
   double length = std::max(usual_length(start.on, start.longest), least_share * usual_length(start.on, stop_));
   expected_ = std::min(length, start.longest);
   for (int cut = 0; cut < most_cuts && length > tolerance::shortest_segment * stop_; ++cut) {
     const double shift = shift_for(length);
-    const Factor* factor = factors.at(shift, start.on);
-    if (!factor) return Opened::singular;
-    if (space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes) return Opened::contradicted;
+    bool is_begun = false;
+    is_rejected_ = rejects_early_ && is_wrong_by_signs(factors, shift, start, is_begun);
+    if (is_rejected_) return Opened::yes;
+    if (!is_begun) {
+      const Factor* factor = factors.at(shift, start.on);
+      if (!factor) return Opened::singular;
+      if (space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes)
+        return Opened::contradicted;
+    }
     if (!std::isfinite(space_.start_size())) return Opened::unresolved;
     size_ = std::max(peak_, space_.start_size());
     length_ = length;
+    present_tolerance_ = tolerance_;
     if (space_.start_rounding() <= tolerance::start_rounding * size_ && resolve() && space_.loss() <= most_loss && has_digits()) {
       const double turning = space_.turning(most_turn * shift);
       if (turning > most_turn * shift && !(habits_[key_].turning >= turning)) {
@@ -238,6 +312,7 @@ bool ExactSegment::take_back(double h, std::vector<double>& z) {
 }
 
 ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start) {
+  is_rejected_ = false;
   start_ = start.time;
   on_ = start.on;
   voltage_ = largest(std::span(start.z).first(static_cast<std::size_t>(descriptor_.nodes())));
@@ -250,10 +325,12 @@ ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start) {
     zeta_.assign(after.begin(), after.end());
   }
   const Opened opened = build(factors, start);
-  if (opened != Opened::yes) return opened;
+  if (opened != Opened::yes || is_rejected_) return opened;
   if (!(space_.rounding_at_start() <= tolerance::start_rounding * size_)) return Opened::unresolved;
   ++segments_;
   vectors_ += static_cast<std::uint64_t>(space_.dimension());
+  vectors_of_one_before_ = std::exchange(vectors_of_last_, expected_vectors());
+  habits_[key_].vectors = vectors_of_last_;
   located_ = false;
   take_guards(start.on);
   bound_guards();

@@ -116,6 +116,14 @@ class ExactSegment {
   void mute(int guard);
   void unmute() { muted_.clear(); }
 
+  /// From now on a position is left as soon as a few vectors show ports far on the wrong side: it is no segment to follow, `negative` says these ports.
+  void reject_early(bool does) { rejects_early_ = does; }
+  /// Whether the last one was.
+  [[nodiscard]] bool is_rejected() const { return is_rejected_; }
+
+  /// From now on all segments are as exact, however much of the run they are.
+  void keep_tolerance() { keeps_tolerance_ = true; }
+
   struct Counts {
     std::uint64_t segments = 0, vectors = 0, intervals = 0, sampled = 0;
   };
@@ -128,12 +136,18 @@ class ExactSegment {
  private:
   struct Habit {
     double length = 0.0, turning = 0.0;  ///< s, and radians per s
+    int vectors = 0;                     ///< that its next segment is expected to need
     std::vector<double> shifts;
   };
   [[nodiscard]] static std::string key(const Position& on) { return {on.begin(), on.end()}; }
   [[nodiscard]] double shift_for(double length);
   [[nodiscard]] Opened build(Factors& factors, const Origin& start);
   [[nodiscard]] bool resolve();
+  [[nodiscard]] int first_dimension() const;
+  [[nodiscard]] int expected_vectors() const;
+  [[nodiscard]] double tolerance_for(double length) const;
+  [[nodiscard]] bool has_wrong_signs();
+  [[nodiscard]] bool is_wrong_by_signs(Factors& factors, double shift, const Origin& start, bool& is_begun);
   [[nodiscard]] bool is_cut_within(const std::vector<KrylovSpace::Checkpoint>& points);
   void look(double reach, Located& located);
   void stretch(double longest);
@@ -162,6 +176,9 @@ class ExactSegment {
   bool takes_positive_ = false;
   bool has_all_decays_ = false;  ///< of all rates: all vectors there are do not resolve them at the usual γ
   int passing_ = -1;
+  bool rejects_early_ = false, is_rejected_ = false, keeps_tolerance_ = false;
+  double present_tolerance_ = 0.0;  ///< of the segment at hand
+  int vectors_of_last_ = 0, vectors_of_one_before_ = 0;
   std::string key_;
   std::unordered_map<std::string, Habit> habits_;
   std::unordered_map<int, double> muted_;

@@ -20,29 +20,25 @@ constexpr int most_derivatives = 4;  ///< at the start: what begins with a highe
 void ExactSegment::take_guards(const Position& on) {
   mode_ = std::make_unique<model::Mode>();
   const auto ports = static_cast<std::size_t>(descriptor_.first_switch());
-  mode_->guards.setZero(static_cast<Eigen::Index>(ports + controls_.size()), space_.dimension());
+  std::vector<KrylovSpace::Reading> values(ports + controls_.size());
   segment_.rows.clear();
   for (std::size_t i = 0; i < ports; ++i) {
     const Port& port = descriptor_.ports()[i];
     if (port.blocks(on)) continue;
-    mode_->guards.row(static_cast<Eigen::Index>(i)) = (on[i] != 0 ? space_.row(port.row) : space_.row(port.slack)).transpose();
+    if (on[i] != 0)
+      values[i].unknown = port.row;
+    else
+      values[i].form = &port.slack;
     segment_.rows.push_back(static_cast<int>(i));
   }
-  drop_empty_guards();
   for (std::size_t i = 0; i < controls_.size(); ++i) {
     const Control& control = controls_[i];
-    Form margin = control.value;
-    if (control.holds(on)) {
-      margin.constant -= control.off_level;
-    } else {
-      for (Form::Part& part : margin.z) part.coefficient = -part.coefficient;
-      for (Form::Part& part : margin.w) part.coefficient = -part.coefficient;
-      margin.constant = control.on_level - margin.constant;
-    }
-    const auto row = static_cast<int>(ports + i);
-    mode_->guards.row(row) = space_.row(margin).transpose();
-    segment_.rows.push_back(row);
+    const bool holds = control.holds(on);
+    values[ports + i] = {&control.value, -1, holds ? 1.0 : -1.0, holds ? -control.off_level : control.on_level};
   }
+  mode_->guards = space_.rows(values);
+  drop_empty_guards();
+  for (std::size_t i = 0; i < controls_.size(); ++i) segment_.rows.push_back(static_cast<int>(ports + i));
 }
 
 /// Whether a port is off beside one that is on without resistance or drop.
@@ -90,7 +86,7 @@ void ExactSegment::bound_guards() {
     m.scaled_guard_c_norm = (m.guards * m.scale.asDiagonal()).rowwise().norm();
     m.scaled_input_block_norm.resize(0);
   }
-  m.noise = std::max(tolerance::segment_noise, noise_of_tolerance * tolerance_);
+  m.noise = std::max(tolerance::segment_noise, noise_of_tolerance * present_tolerance_);
   m.absolute_guards = m.guards.cwiseAbs();
   m.guard_norm = m.guard_c_norm = m.guards.rowwise().norm();
   m.guard_block_norm.resize(m.guards.rows(), 0);

@@ -15,8 +15,9 @@ namespace {
 constexpr std::size_t most_bytes = 192u << 20;  ///< of all factors together
 constexpr std::size_t bytes_of_entry = 16;
 constexpr std::size_t fewest_factors = 3, most_factors = 256;
-/// A position so few ports away from one that is factored is reached by their columns; solved for so often, by a factor of its own.
-constexpr std::size_t most_closings = 4;
+/// A position so few ports away from one that is factored is reached by their columns, of which it may have so many times more; solved for so often, by a factor of its
+/// own. For signs alone ports and columns may be as many as take this multiple of the factor's entries.
+constexpr std::size_t most_closings = 4, columns_of_flip = 8, columns_of_factor = 2;
 constexpr std::size_t most_shared = 8;  ///< ties of a position among which the least norm is sought
 constexpr int uses_of_update = 32;
 
@@ -38,7 +39,8 @@ void Factor::solve(std::vector<double>& r) const {
   const linalg::Vector share = scale_.asDiagonal() * small_.solve(scale_.asDiagonal() * t);
   for (std::size_t i = 0; i < flips_.size(); ++i) {
     const double factor = share[static_cast<Eigen::Index>(i)];
-    for (std::size_t k = 0; k < r.size(); ++k) r[k] -= factor * columns_[i][k];
+    const std::vector<double>& column = columns_->of_port[static_cast<std::size_t>(flips_[i])];
+    for (std::size_t k = 0; k < r.size(); ++k) r[k] -= factor * column[k];
   }
 }
 
@@ -61,7 +63,7 @@ Factors::Entry* Factors::find(double shift, const Position& on) {
 Factors::Entry& Factors::slot(const Position& on) {
   const bool known = !entries_.empty() && entries_.front().factor.klu_;
   const std::size_t each = known ? bytes_of_entry * entries_.front().factor.klu_->entries() +
-                                       most_closings * sizeof(double) * static_cast<std::size_t>(descriptor_.size())
+                                       most_flips(entries_.front().factor) * sizeof(double) * static_cast<std::size_t>(descriptor_.size())
                                  : 0;
   const std::size_t room = each == 0 ? fewest_factors : std::clamp(most_bytes / each, fewest_factors, most_factors);
   if (entries_.size() < room) return entries_.emplace_back(Entry{});
@@ -113,8 +115,10 @@ linalg::Factored Factors::factor(Entry& entry, const std::vector<int>& ties, boo
   Factor& f = entry.factor;
   f.descriptor_ = &descriptor_;
   f.flips_.clear();
-  f.columns_.clear();
+  f.columns_ = std::make_shared<Factor::Columns>();
+  f.columns_->of_port.resize(entry.on.size());
   f.closing_.reset();
+  f.is_rough_ = false;
   f.ties_.clear();
   f.open_.clear();
   f.unit_ = descriptor_.mean_admittance(entry.shift);
@@ -157,65 +161,118 @@ void Factors::find_open(Entry& entry) {
   f.shares_.compute(free.transpose() * free);
 }
 
-/// From a factor of the same shift that few ports tell from the wanted one.
-bool Factors::update(Entry& entry) {
-  const Entry* base = nullptr;
-  std::vector<int> flips, of_base;
+/// Ports that may tell a position from that of a factor that it is reached from.
+std::size_t Factors::most_flips(const Factor& base) const {
+  if (!keeps_digits_) return most_closings;
+  return std::max(most_closings, columns_of_factor * base.klu_->entries() / static_cast<std::size_t>(descriptor_.size()));
+}
+
+/// The factor of the same shift that the fewest ports tell from the wanted one; null where these are too many.
+const Factors::Entry* Factors::nearest(const Entry& entry) const {
+  const Entry* best = nullptr;
+  std::size_t fewest = entry.on.size() + 1;
   for (const Entry& other : entries_) {
     if (&other == &entry || other.used == 0 || other.factor.closing_ || !other.factor.ties_.empty() || !other.factor.flips_.empty())
       continue;
     if (std::abs(other.shift - entry.shift) > tolerance::same_shift * entry.shift) continue;
-    of_base.clear();
-    for (std::size_t i = 0; i < entry.on.size() && of_base.size() <= most_closings; ++i)
-      if (entry.on[i] != other.on[i]) of_base.push_back(static_cast<int>(i));
-    if (of_base.size() > most_closings || (base && of_base.size() >= flips.size())) continue;
-    base = &other;
-    flips = of_base;
+    const std::size_t enough = std::min(fewest, most_flips(other.factor) + 1);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < entry.on.size() && count < enough; ++i) count += entry.on[i] != other.on[i] ? 1 : 0;
+    if (count >= enough) continue;
+    best = &other;
+    fewest = count;
   }
+  return best;
+}
+
+const std::vector<double>& Factors::column(const Factor& base, int port) const {
+  std::vector<double>& column = base.columns_->of_port[static_cast<std::size_t>(port)];
+  if (!column.empty()) return column;
+  column.assign(static_cast<std::size_t>(descriptor_.size()), 0.0);
+  column[static_cast<std::size_t>(descriptor_.ports()[static_cast<std::size_t>(port)].row)] = 1.0;
+  base.solve_base(column);
+  ++base.columns_->count;
+  return column;
+}
+
+/// From a factor of the same shift that few ports tell from the wanted one.
+bool Factors::update(Entry& entry) {
+  const Entry* base = nearest(entry);
   if (!base) return false;
   Factor f = base->factor;
-  f.flips_ = flips;
-  const auto k = static_cast<Eigen::Index>(flips.size());
+  for (std::size_t i = 0; i < entry.on.size(); ++i)
+    if (entry.on[i] != base->on[i]) f.flips_.push_back(static_cast<int>(i));
+  const auto k = static_cast<Eigen::Index>(f.flips_.size());
+  const auto missing = static_cast<std::size_t>(std::count_if(
+      f.flips_.begin(), f.flips_.end(), [&](int port) { return f.columns_->of_port[static_cast<std::size_t>(port)].empty(); }));
+  if (f.columns_->count + missing > most_flips(f) * (keeps_digits_ ? 1 : columns_of_flip)) return false;
   linalg::Matrix s(k, k);
   f.flipped_on_.clear();
-  for (const int port : flips) f.flipped_on_.push_back(entry.on[static_cast<std::size_t>(port)]);
-  for (std::size_t j = 0; j < flips.size(); ++j) {
-    std::vector<double> column(static_cast<std::size_t>(descriptor_.size()), 0.0);
-    column[static_cast<std::size_t>(descriptor_.ports()[static_cast<std::size_t>(flips[j])].row)] = 1.0;
-    f.solve_base(column);
-    for (std::size_t i = 0; i < flips.size(); ++i)
-      s(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-          descriptor_.ports()[static_cast<std::size_t>(flips[i])].response(f.flipped_on_[i] == 0, column.data());
-    f.columns_.push_back(std::move(column));
+  for (const int port : f.flips_) f.flipped_on_.push_back(entry.on[static_cast<std::size_t>(port)]);
+  for (Eigen::Index j = 0; j < k; ++j) {
+    const std::vector<double>& of_flip = column(f, f.flips_[static_cast<std::size_t>(j)]);
+    for (std::size_t i = 0; i < f.flips_.size(); ++i)
+      s(static_cast<Eigen::Index>(i), j) = f.flipped(i).response(f.flipped_on_[i] == 0, of_flip.data());
   }
   if (!(s.diagonal().cwiseAbs().minCoeff() > 0.0)) return false;
   f.scale_ = s.diagonal().cwiseAbs().cwiseSqrt().cwiseInverse();
   f.small_.compute(f.scale_.asDiagonal() * s * f.scale_.asDiagonal());
   if (!(lcp::reciprocal_condition(f.small_) > tolerance::update_condition)) return false;
-  if (!is_sound(f, entry)) return false;
+  note_known(*base);
+  const double error = backward_error(f);
+  if (!(error <= (keeps_digits_ ? tolerance::rough_residual : tolerance::update_residual))) return false;
+  f.is_rough_ = keeps_digits_;
   entry.factor = std::move(f);
   return true;
 }
 
-/// Whether a factor solves a right-hand side of its own matrix with a small residual in every row: one near a singular position need not.
-bool Factors::is_sound(const Factor& factor, const Entry& entry) {
+/// A solution of our own, no entry of it small.
+double Factors::own_solution(std::size_t i) { return 1.0 + static_cast<double>(i % 7) / 8.0; }
+
+/// A right-hand side with a known solution, of a factor that others are reached from.
+void Factors::note_known(const Entry& base) {
   const auto n = static_cast<std::size_t>(descriptor_.size());
-  descriptor_.matrix(entry.shift, descriptor_.closing(entry.shift, entry.on, 0.0), 1.0, values_);
-  std::vector<double> solution(n), right(n), product(n), size(n);
-  for (std::size_t i = 0; i < n; ++i) solution[i] = 1.0 + static_cast<double>(i % 7) / 8.0;
-  linalg::multiply(descriptor_.pattern(), values_, solution.data(), right.data());
-  solution = right;
-  factor.solve(solution);
-  linalg::multiply(descriptor_.pattern(), values_, solution.data(), product.data());
-  linalg::multiply_absolute(descriptor_.pattern(), values_, solution.data(), size.data());
-  for (std::size_t i = 0; i < n; ++i)
-    if (!(std::abs(product[i] - right[i]) <= tolerance::update_residual * (size[i] + std::abs(right[i])))) return false;
-  return true;
+  Factor::Columns& own = *base.factor.columns_;
+  if (!own.known.empty()) return;
+  for (std::size_t i = 0; i < n; ++i) own.known.push_back(own_solution(i));
+  own.right.resize(n);
+  own.size.resize(n);
+  descriptor_.matrix(base.shift, descriptor_.closing(base.shift, base.on, 0.0), 1.0, own.values);
+  linalg::multiply(descriptor_.pattern(), own.values, own.known.data(), own.right.data());
+  linalg::multiply_absolute(descriptor_.pattern(), own.values, own.known.data(), own.size.data());
+  for (std::size_t i = 0; i < n; ++i) own.size[i] += std::abs(own.right[i]);
 }
 
-const Factor* Factors::at(double shift, const Position& on) {
+/// max |b − A x| / (|A| |x| + |b|) over the rows, for a right-hand side of the factor's own matrix: that of one near a singular position need not be small.
+double Factors::backward_error(const Factor& factor) const {
+  const auto n = static_cast<std::size_t>(descriptor_.size());
+  const Factor::Columns& base = *factor.columns_;
+  std::vector<double> right = base.right, size = base.size, product(n);
+  const auto closing_row = [&](std::size_t i, const std::vector<double>& z) {
+    return factor.flipped(i).response(factor.flipped_on_[i] == 0, z.data());
+  };
+  for (std::size_t i = 0; i < factor.flips_.size(); ++i) {
+    const Port& port = factor.flipped(i);
+    const auto row = static_cast<std::size_t>(port.row);
+    right[row] = closing_row(i, base.known);
+    size[row] = std::abs(right[row]) + (factor.flipped_on_[i] != 0 ? Form::size_of(port.slack.z, base.known.data()) : std::abs(right[row]));
+  }
+  std::vector<double> solution = right;
+  factor.solve(solution);
+  linalg::multiply(descriptor_.pattern(), base.values, solution.data(), product.data());
+  for (std::size_t i = 0; i < factor.flips_.size(); ++i)
+    product[static_cast<std::size_t>(factor.flipped(i).row)] = closing_row(i, solution);
+  double worst = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double error = std::abs(product[i] - right[i]) / size[i];
+    if (size[i] > 0.0 && !(error <= worst)) worst = error;
+  }
+  return worst;
+}
+
+const Factor* Factors::at(double shift, const Position& on, bool may_be_rough) {
   Entry* entry = find(shift, on);
-  const bool worn = entry && !entry->factor.flips_.empty() && entry->uses >= uses_of_update;
+  const bool worn = entry && !entry->factor.flips_.empty() && (entry->uses >= uses_of_update || (entry->factor.is_rough_ && !may_be_rough));
   if (!entry || worn) {
     if (!entry) entry = &slot(on);
     const bool same_pivots = entry->used > 0 && !worn && entry->on == on && entry->factor.flips_.empty();
@@ -224,7 +281,7 @@ const Factor* Factors::at(double shift, const Position& on) {
     entry->shift = shift;
     entry->on = on;
     const std::vector<int> ties = parts_ ? parts_->ties(on) : std::vector<int>{};
-    if (worn || !ties.empty() || !by_columns_ || !update(*entry)) {
+    if (worn || !ties.empty() || (keeps_digits_ && !may_be_rough) || !update(*entry)) {
       const auto factored = factor(*entry, ties, same_pivots);
       if (factored != linalg::Factored::good) {
         singular_unknown_ = entry->factor.klu_->singular_column();

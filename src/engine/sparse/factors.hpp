@@ -29,6 +29,8 @@ class Factor {
   [[nodiscard]] const std::vector<int>& ties() const { return ties_; }
   /// The largest admittance that meets in a node, times R0; only where there are ties.
   [[nodiscard]] double stiffest() const { return stiffest_; }
+  /// Good for signs, but not to the last digits.
+  [[nodiscard]] bool is_rough() const { return is_rough_; }
   /// What the ties settle, one vector of unknowns each, largest entry one; none where there are too many.
   [[nodiscard]] const std::vector<std::vector<double>>& open() const { return open_; }
   /// x = (JᵀJ)⁻¹ r, J the free variables of all ports in the open vectors.
@@ -43,6 +45,7 @@ class Factor {
   std::shared_ptr<linalg::KluFactor> klu_;
   double unit_ = 1.0;
   std::optional<Descriptor::Closing> closing_;
+  bool is_rough_ = false;
   std::vector<int> ties_;
   double stiffest_ = 0.0;
   std::vector<std::vector<double>> open_;
@@ -52,7 +55,14 @@ class Factor {
   /// these rows.
   std::vector<int> flips_;
   std::vector<char> flipped_on_;  ///< their new sides
-  std::vector<std::vector<double>> columns_;
+  /// A⁻¹ e of ports, by number, found where one is first needed; one list for all positions that are reached from klu_'s.
+  struct Columns {
+    std::vector<std::vector<double>> of_port;
+    std::size_t count = 0;
+    std::vector<double> values;              ///< the matrix
+    std::vector<double> known, right, size;  ///< a solution with its right-hand side, and the sizes of its rows' terms
+  };
+  std::shared_ptr<Columns> columns_;
   linalg::Vector scale_;  ///< S is factored with this scale on both sides
   Eigen::PartialPivLU<linalg::Matrix> small_;
 };
@@ -61,11 +71,12 @@ class Factors {
  public:
   /// `reltol`: of the run; ε is a thousandth of it, within 1e-10 and 1e-7.
   Factors(const model::Network& network, const Descriptor& descriptor, double reltol = 1e-5);
-  /// From now on each position has a factor of its own: those reached by a few columns of another's lose digits.
-  void factor_each() { by_columns_ = false; }
+  /// From now on a position has a factor of its own, but where digits do not count: solutions by columns of another's are right to the largest unknown only.
+  void keep_digits() { keeps_digits_ = true; }
 
   /// Null where the matrix is singular. Valid until the next call. Shifts that agree to 1e-11 count as one.
-  [[nodiscard]] const Factor* at(double shift, const Position& on);
+  /// `may_be_rough`: six digits are enough.
+  [[nodiscard]] const Factor* at(double shift, const Position& on, bool may_be_rough = false);
   /// After a null: the unknown that the equations leave open, −1: not known.
   [[nodiscard]] int singular_unknown() const { return singular_unknown_; }
   [[nodiscard]] const linalg::KluOrdering::Counts& counts() const { return ordering_.counts; }
@@ -86,9 +97,14 @@ class Factors {
   [[nodiscard]] linalg::Factored factor(Entry& entry, const Descriptor::Closing& closing, const linalg::KluFactor* pivots);
   [[nodiscard]] const linalg::KluFactor* like(const Entry& entry) const;
   void find_open(Entry& entry);
+  [[nodiscard]] std::size_t most_flips(const Factor& base) const;
+  [[nodiscard]] const Entry* nearest(const Entry& entry) const;
+  [[nodiscard]] const std::vector<double>& column(const Factor& base, int port) const;
   [[nodiscard]] bool update(Entry& entry);
   [[nodiscard]] bool recovers(const Factor& factor, double shift, const Descriptor::Closing& closing);
-  [[nodiscard]] bool is_sound(const Factor& factor, const Entry& entry);
+  [[nodiscard]] static double own_solution(std::size_t i);
+  void note_known(const Entry& base);
+  [[nodiscard]] double backward_error(const Factor& factor) const;
 
   const Descriptor& descriptor_;
   std::optional<OpenParts> parts_;  ///< of a passive network
@@ -99,7 +115,7 @@ class Factors {
   std::uint64_t clock_ = 0;
   std::size_t last_ = 0;  ///< entry used last
   int singular_unknown_ = -1;
-  bool out_of_memory_ = false, by_columns_ = true;
+  bool out_of_memory_ = false, keeps_digits_ = false;
 };
 
 }  // namespace pwlsim::engine::sparse

@@ -139,17 +139,26 @@ double KrylovSpace::size_of_states(const std::vector<double>& z) const {
   return norm_of_states([&](const State& state) { return state.value(z.data()); });
 }
 
+/// The largest of |G| |z| in the rows of nodes.
+double KrylovSpace::largest_conducted(const std::vector<double>& z) const {
+  const std::vector<int>&start = conduction_of_nodes_.pattern.start, &column = conduction_of_nodes_.pattern.row;
+  double most = 0.0;
+  for (std::size_t node = 0; node + 1 < start.size(); ++node) {
+    double sum = 0.0;
+    for (auto k = static_cast<std::size_t>(start[node]); k < static_cast<std::size_t>(start[node + 1]); ++k)
+      sum += std::abs(conduction_of_nodes_.values[k] * z[static_cast<std::size_t>(column[k])]);
+    most = std::max(most, sum);
+  }
+  return most;
+}
+
 /// Of the norm of a solution: voltages of stores are differences of those of nodes, and currents of inductors may be held by resistors between nodes, or move by the
 /// difference of their voltages in 1/shift, all of which may be far larger.
 double KrylovSpace::rounding_of_states(const std::vector<double>& z) {
   const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
   const double voltage = largest(std::span(z).first(nodes));
   double rounding = voltage * (weight_of_voltages_ + weight_of_rates_ / shift_);
-  if (weight_of_currents_ > 0.0) {
-    sizes_.resize(z.size());
-    descriptor_.conduct_sizes(z.data(), sizes_.data());
-    rounding += largest(std::span(sizes_).first(nodes)) * weight_of_currents_;
-  }
+  if (weight_of_currents_ > 0.0) rounding += largest_conducted(z) * weight_of_currents_;
   return tolerance::solution_rounding * rounding;
 }
 
@@ -174,11 +183,14 @@ void KrylovSpace::find_wide_residual(const std::vector<double>& d) {
 
 /// Corrects a solution by its residual where the currents that charge capacitors leave others no digits: impulses of voltage of a floating part may be that large.
 void KrylovSpace::refine(std::vector<double>& d, double counts) {
+  is_refined_ = true;
   if (factor_->closing() || !factor_->ties().empty() || !(weight_of_currents_ > 0.0)) return;
   sizes_.resize(d.size());
   descriptor_.memory_sizes(d.data(), sizes_.data());
   const double charging = shift_ * largest(std::span(sizes_).first(static_cast<std::size_t>(descriptor_.nodes())));
-  if (!(tolerance::solution_rounding * charging * weight_of_currents_ > counts)) return;
+  is_refined_ = !(tolerance::solution_rounding * charging * weight_of_currents_ > counts);
+  if (is_refined_ || begins_roughly_) return;
+  is_refined_ = true;
   descriptor_.matrix(shift_, descriptor_.closing(shift_, on_, 0.0), 1.0, values_);
   double before = INFINITY;
   for (int round = 0; round < most_refinements; ++round) {

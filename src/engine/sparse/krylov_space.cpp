@@ -25,7 +25,8 @@ KrylovSpace::KrylovSpace(const Descriptor& descriptor, const model::Exosystem& e
       exosystem_(exosystem),
       change_(descriptor, exosystem),
       resting_(descriptor),
-      differential_(descriptor.differential_rows()) {
+      differential_(descriptor.differential_rows()),
+      conduction_of_nodes_(linalg::transposed(descriptor.conduction(), descriptor.nodes())) {
   const double r0 = descriptor.r0();
   for (const State& state : descriptor.states()) {
     state_weight_.push_back(std::sqrt(std::abs(state.storage) * (state.is_current ? 1.0 / r0 : r0)));
@@ -66,7 +67,7 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   given_ = right_;
   factor.solve(right_);
   refine(right_, tolerance::refined_solution * size);
-  rounding_ = rounding_of(right_, tolerance::first_solution * size);
+  rounding_ = is_refined_ ? rounding_of(right_, tolerance::first_solution * size) : 0.0;
   for (std::size_t i = 0; i < right_.size(); ++i) right_[i] += start.z[i];
   rounding_ = std::hypot(rounding_, rounding_of_sums(right_));
   settle(right_, zeta);
@@ -212,8 +213,24 @@ const std::vector<KrylovSpace::Checkpoint>& KrylovSpace::estimate(double length)
   return estimate_;
 }
 
-Vector KrylovSpace::row(int unknown) const {
-  return k_.transpose() * (vectors_.row(unknown).head(dimension_) + changes_.row(unknown).head(dimension_)).transpose();
+/// All of a vector at once: forms read it in any order.
+Matrix KrylovSpace::rows(const std::vector<Reading>& readings) const {
+  Matrix of_vectors(static_cast<Eigen::Index>(readings.size()), dimension_);
+  Vector z, zeta, w;
+  for (Eigen::Index j = 0; j < dimension_; ++j) {
+    z = vectors_.col(j) + changes_.col(j);
+    zeta = zetas_.col(j) + zeta_changes_.col(j);
+    w = exosystem_.rows() * zeta;
+    const double one = zeta[exosystem_.constant()];
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+      const Reading& value = readings[i];
+      const double size = value.form != nullptr ? Form::sum(value.form->z, z.data(), source_part(*value.form, w, one))
+                          : value.unknown >= 0  ? z[value.unknown]
+                                                : 0.0;
+      of_vectors(static_cast<Eigen::Index>(i), j) = value.factor * size + value.offset * one;
+    }
+  }
+  return of_vectors * k_;
 }
 
 Vector KrylovSpace::row_of_unknowns(const Form& form) const {
@@ -221,14 +238,6 @@ Vector KrylovSpace::row_of_unknowns(const Form& form) const {
   for (const Form::Part& part : form.z)
     sum += part.coefficient * (vectors_.row(part.index).head(dimension_) + changes_.row(part.index).head(dimension_)).transpose();
   return k_.transpose() * sum;
-}
-
-Vector KrylovSpace::row(const Form& form) const {
-  Vector of_zeta = Vector::Zero(exosystem_.size());
-  for (const Form::Part& part : form.w) of_zeta += part.coefficient * exosystem_.rows().row(part.index).transpose();
-  of_zeta[exosystem_.constant()] += form.constant;
-  const Vector sum = (zetas_.leftCols(dimension_) + zeta_changes_.leftCols(dimension_)).transpose() * of_zeta;
-  return row_of_unknowns(form) + k_.transpose() * sum;
 }
 
 double KrylovSpace::row_terms(const Form& form) const {

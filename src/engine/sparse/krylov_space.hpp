@@ -41,6 +41,10 @@ class KrylovSpace {
   enum class Begun { yes, contradicted };
   /// The factor must last until the last `grow`. `size`: √energy that counts, at least.
   [[nodiscard]] Begun begin(const Factor& factor, double shift, const Position& on, const Origin& start, double size);
+  /// From now on solutions that begin a space stay as they are, where they are for signs only.
+  void begin_roughly(bool does) { begins_roughly_ = does; }
+  /// Whether the last one has all its digits.
+  [[nodiscard]] bool is_refined() const { return is_refined_; }
   /// Takes the space to m vectors, or to where it is full.
   void grow(int m);
   /// Back to m vectors, which is then all there is: what came after them was rounding.
@@ -77,12 +81,18 @@ class KrylovSpace {
     double rounding = 0.0;  ///< a bound of ∫ Σ δ_i |c_i| dτ/γ: what the rounding δ_i of T z_i, of which y' is made, adds up to, c = K y
   };
   [[nodiscard]] const std::vector<Checkpoint>& estimate(double length);
+  /// h|b(0)|, the error at once, as far as that can be told before the space is full.
+  [[nodiscard]] double error_at_start() const { return h_ * std::abs(last_row_.dot(first_)); }
   /// Of a form: its row on y. Without its sources and constant.
   [[nodiscard]] linalg::Vector row_of_unknowns(const Form& form) const;
-  /// The whole of it.
-  [[nodiscard]] linalg::Vector row(const Form& form) const;
-  /// The row of one unknown.
-  [[nodiscard]] linalg::Vector row(int unknown) const;
+  /// factor · the value of a form, or of one unknown, + offset.
+  struct Reading {
+    const Form* form = nullptr;  ///< null: the unknown, or nothing where that is −1
+    int unknown = -1;
+    double factor = 1.0, offset = 0.0;
+  };
+  /// The rows of several, whole.
+  [[nodiscard]] linalg::Matrix rows(const std::vector<Reading>& readings) const;
   /// max |y_j| over the length last estimated.
   [[nodiscard]] const linalg::Vector& reach() const { return reach_; }
   /// Sum of the magnitudes that a form's value is a sum of, over that length: its rounding is a part of them.
@@ -115,6 +125,7 @@ class KrylovSpace {
   [[nodiscard]] double source_part(const Form& form, const linalg::Vector& w, double one) const;
   [[nodiscard]] bool contradicts(const std::vector<double>& z, const linalg::Vector& zeta) const;
   void measure(const std::vector<double>& z, const linalg::Vector& zeta, double* x) const;
+  [[nodiscard]] double largest_conducted(const std::vector<double>& z) const;
   [[nodiscard]] double rounding_of_states(const std::vector<double>& z);
   [[nodiscard]] double terms_of(const linalg::Vector& of_vectors, const linalg::Vector& of_changes) const;
   void note_largest(const linalg::Matrix& columns, Eigen::Index row, Eigen::Index j);
@@ -137,6 +148,7 @@ class KrylovSpace {
   StartChange change_;
   RestingParts resting_;
   std::vector<char> differential_;
+  linalg::SparseMatrix conduction_of_nodes_;  ///< the rows of nodes of G, as columns
   std::vector<double> state_weight_;
   double weight_of_voltages_ = 0.0, weight_of_currents_ = 0.0;  ///< root of the sum of their squares
   double weight_of_rates_ = 0.0;                                ///< the same of what a volt across an inductor moves in a second
@@ -144,7 +156,7 @@ class KrylovSpace {
   double least_ = 0.0, shift_ = 0.0, zeta_weight_ = 1.0, norm_ = 0.0, size_ = 0.0, h_ = 0.0, rounding_ = 0.0;
   Position on_;
   int dimension_ = 0;
-  bool full_ = false, sound_ = true;
+  bool full_ = false, sound_ = true, begins_roughly_ = false, is_refined_ = true;
   linalg::Matrix vectors_, changes_;     ///< Z and T Z (unknowns × columns)
   linalg::Matrix zetas_, zeta_changes_;  ///< the same of ζ
   linalg::Matrix largest_;               ///< the largest voltage and the largest other unknown of each column of Z, and of T Z

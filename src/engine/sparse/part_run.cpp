@@ -74,7 +74,7 @@ PartRun::PartRun(const Part& part, const Request& request, double reltol, Method
   if (method == Method::segments) {
     segment_ = std::make_unique<ExactSegment>(descriptor_, sources_, controls_, reltol, request.stop);
     ties_ = std::make_unique<TieSelector>(descriptor_, factors_, sources_.exosystem());
-    factors_.factor_each();
+    factors_.keep_digits();
     ports_.judge_by_rows();
   }
   signal_scale_.assign(signals_.size(), 0.0);

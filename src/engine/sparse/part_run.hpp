@@ -38,6 +38,7 @@ class PartRun {
   /// Of a lap: each segment goes there, and the run stops before what happens at its end. Null: neither.
   void begin_lap(std::vector<SegmentRecord>* records, bool stops_before_end) {
     records_ = records;
+    if (segment_) segment_->keep_tolerance();
     stops_before_end_ = stops_before_end;
   }
   /// Begins at t = 0. False: failed.
@@ -172,6 +173,7 @@ class PartRun {
   [[nodiscard]] bool begin_segment();
   [[nodiscard]] bool find_segment(const Beginning& beginning, Instant& instant);
   [[nodiscard]] bool follows_directly(const Position& candidate);
+  [[nodiscard]] bool follows_by_signs(const Position& candidate);
   enum class Sought { found, jumped, not_found };
   [[nodiscard]] Sought seek_segment(const Beginning& beginning, Instant& instant, double h);
   [[nodiscard]] bool is_shared_by(const Point& step) const;
@@ -237,11 +239,12 @@ class PartRun {
   bool stops_before_end_ = false;
   std::vector<Position> refused_jumps_;  ///< of steps of several lengths: positions whose jump asks for impulses backwards
   bool trusts_jumps_ = false;
-  Position position_ahead_;            ///< where the passage at hand leads
-  double segment_tau_ = 0.0;           ///< so far
-  std::unique_ptr<TieSelector> ties_;  ///< likewise
-  int last_guard_ = -1;                ///< that ended the segment before
-  int passing_ = -1;                   ///< the same, until the position behind it is found
+  int early_pause_ = 0, early_wait_ = 0;  ///< openings without early rejection: after the last failure of one, and those still to come
+  Position position_ahead_;               ///< where the passage at hand leads
+  double segment_tau_ = 0.0;              ///< so far
+  std::unique_ptr<TieSelector> ties_;     ///< likewise
+  int last_guard_ = -1;                   ///< that ended the segment before
+  int passing_ = -1;                      ///< the same, until the position behind it is found
   Point point_;
   Position position_before_;  ///< before the instant that is due
   std::unordered_set<std::string>

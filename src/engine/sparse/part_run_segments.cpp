@@ -33,7 +33,8 @@ struct Relaxation {
 constexpr std::array<Relaxation, 7> relaxations{
     {{1.0, false}, {1.0, true}, {1.0, false, 0x1p-12}, {1.0, false, 0x1p-24}, {30.0, true}, {1e3, true}, {1e3, false}}};
 constexpr double shortest_with_jumps = 1e-5;  ///< of the usual length: in steps for shorter segments impulses leave states no digits
-constexpr char idle_mark = 2;                 ///< of a port that is on and carries nothing
+constexpr int longest_pause = 63;
+constexpr char idle_mark = 2;  ///< of a port that is on and carries nothing
 constexpr std::size_t last_coefficients = 3;
 /// Chebyshev points of (0, 1): where the certificate looks inside of a segment, whose ends may both lie near zero.
 constexpr std::array<double, 3> inner_points{0.066987298107780677, 0.5, 0.93301270189221932};
@@ -47,10 +48,24 @@ ExactSegment::Opened PartRun::open_segment(const Position& on) {
   return segment_->open(factors_, {point_.time, on, point_.z, start_memory_, longest});
 }
 
-/// Whether the segment in that position goes on from the states as they are.
+/// Whether the segment in that position, or in one that its signs lead to, goes on from the states as they are. Few vectors show signs that are far from right: positions
+/// that have them are left at once, as long as that leads to one that holds.
 bool PartRun::follows_directly(const Position& candidate) {
   if (!passive_ || starting_) return false;
-  if (open_segment(candidate) != ExactSegment::Opened::yes) return false;
+  const bool rejects = early_wait_ == 0;
+  early_wait_ -= rejects ? 0 : 1;
+  segment_->reject_early(rejects);
+  const auto opened = open_segment(candidate);
+  segment_->reject_early(false);
+  const bool is_rejected = segment_->is_rejected();
+  const bool is_found = opened == ExactSegment::Opened::yes && follows_by_signs(candidate);
+  if (!is_rejected) return is_found;
+  early_pause_ = early_wait_ = is_found ? 0 : std::min(2 * early_pause_ + 1, longest_pause);
+  return is_found || (open_segment(candidate) == ExactSegment::Opened::yes && follows_by_signs(candidate));
+}
+
+/// The same, where the candidate's segment is open.
+bool PartRun::follows_by_signs(const Position& candidate) {
   point_.on = candidate;
   return (segment_->negative().empty() || flip_negative(candidate, few_flips)) && is_continuous();
 }
@@ -312,6 +327,7 @@ bool PartRun::follow_segment() {
   const ExactSegment::Passage& passage = segment_->locate(limit - segment_->start());
   const double tau = request_.probes.sink != nullptr ? resolved_until(passage.tau) : passage.tau;
   for (const double share : inner_points) {
+    if (!certificate_.wants_point()) continue;
     const double inside = segment_tau_ + share * (tau - segment_tau_);
     certificate_.add_point(point_of_segment(inside, segment_->start() + inside), ports_, 1.0 / segment_->length());
   }

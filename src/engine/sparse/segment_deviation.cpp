@@ -29,7 +29,7 @@ SegmentDeviation::SegmentDeviation(const Part& part)
       sources_(part.island.network),
       space_(part.descriptor, sources_.exosystem()),
       zeta_(static_cast<std::size_t>(sources_.exosystem().size()), 0.0) {
-  factors_.factor_each();
+  factors_.keep_digits();
 }
 
 bool SegmentDeviation::follow(const std::vector<SegmentRecord>& records, std::vector<double>& z) {

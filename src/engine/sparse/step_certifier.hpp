@@ -20,6 +20,12 @@ class StepCertifier {
   void allow_rounding(double least) { least_ = least; }
   /// A step of TR-BDF2, of which the part up to `reached` was used.
   void add_step(const Point& from, const Stepper::Trial& trial, const Point& reached, const PortSolver& ports);
+  /// Whether the next point would be looked at; one that is not counts as seen, and need not be made.
+  [[nodiscard]] bool wants_point() {
+    const bool is_sampled = seen_ % stride_ == 0;
+    if (!is_sampled) ++seen_;
+    return is_sampled;
+  }
   /// A point by itself. `rate`, 1/s: of a segment, one over its length; a rate that is off by this part of a charge or flux is off by as much as these over it. They
   /// count as what all the energy would be in the row's store, |(E z)_i| <= sqrt(E_ii zᵀE z): that is what a segment's error is measured against.
   /// `rising`: ports whose sign is not judged there, as they are at zero to rounding and rise.

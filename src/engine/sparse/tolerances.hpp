@@ -81,6 +81,9 @@ inline constexpr double signal_rounding = 1e-12;
 /// Of: the size of a margin: of a control its levels and its largest value, of a port its scale, of a slack its terms.
 /// Why: some thousand roundings: a margin this small is zero.
 inline constexpr double guard_sign = 1e-12;
+/// Of: the largest input, and the terms of a slack.
+/// Why: six digits: a port so far on the wrong side is there by no rounding.
+inline constexpr double clear_sign = 1e-6;
 /// Of: the largest value of the guard's terms in its segment.
 /// Why: the error of a segment: a guard this small where another falls to zero falls with it.
 inline constexpr double guard_at_zero = 1e-10;
@@ -147,6 +150,9 @@ inline constexpr double recovered = 1e-3;
 /// Of: the terms of a row.
 /// Why: the digits of a segment: an updated factor that is worse is made anew.
 inline constexpr double update_residual = 1e-11;
+/// Of: the terms of a row.
+/// Why: enough for signs, which are judged to six digits there.
+inline constexpr double rough_residual = 1e-9;
 /// Of: one, as the reciprocal condition of the small matrix of an update.
 /// Why: four digits are lost, and eleven are left.
 inline constexpr double update_condition = 1e-4;
