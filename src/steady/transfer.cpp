@@ -1,7 +1,7 @@
 #include "steady/transfer.hpp"
+#include "linalg/factorisations.hpp"
 #include "steady/tolerances.hpp"
 
-#include <Eigen/LU>
 #include <cmath>
 #include <limits>
 #include <numbers>
