@@ -4,7 +4,7 @@ option(PWLSIM_UNITY "Compile the files of a room in groups" OFF)
 set(PWLSIM_FILES_TOGETHER 8)
 
 # What is private to a file is then so to its group. These rooms and files have a constant or a type whose name another of the room has, too.
-set(PWLSIM_ROOMS_APART elements netlist)
+set(PWLSIM_ROOMS_APART elements measure netlist)
 set(PWLSIM_FILES_APART
   analysis/report
   circuit/control_switches circuit/evaluator circuit/formula_functions circuit/formula_reader circuit/functions circuit/measured_expression circuit/measurement_card circuit/models circuit/random
@@ -14,7 +14,6 @@ set(PWLSIM_FILES_APART
   engine/sparse/port_solver engine/sparse/start engine/sparse/stretch engine/sparse/sparse_run
   lcp/principal_pivoting
   linalg/careful_elimination linalg/factorisations
-  measure/measuring measure/meter
   model/build_mode model/slow_manifold
   model/verify
   spice/study)
