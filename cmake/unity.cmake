@@ -13,7 +13,7 @@ set(PWLSIM_FILES_APART
   engine/exact/exact_run engine/sparse/part_run engine/sparse/part_run_events engine/sparse/step_certifier engine/sparse/interior_point
   engine/sparse/port_solver engine/sparse/start engine/sparse/stretch engine/sparse/sparse_run
   lcp/principal_pivoting
-  linalg/careful_elimination
+  linalg/careful_elimination linalg/factorisations
   model/build_mode model/slow_manifold
   model/verify
   spice/study)

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/steady_state.hpp"
+#include "analysis/steady_state_result.hpp"
 
 namespace pwlsim::analysis {
 

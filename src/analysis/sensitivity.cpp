@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -16,6 +14,7 @@
 #include "analysis/derivative_columns.hpp"
 #include "analysis/recorded_run.hpp"
 #include "base/names.hpp"
+#include "linalg/factorisations.hpp"
 #include "steady/start_derivative.hpp"
 #include "waveform/csv.hpp"
 

@@ -1,9 +1,8 @@
 #pragma once
 /// Condition of a factorised matrix.
 
-#include <Eigen/LU>
-
 #include "linalg/dense.hpp"
+#include "linalg/factorisations.hpp"
 
 namespace pwlsim::lcp {
 

@@ -1,12 +1,12 @@
 #include "lcp/principal_pivoting.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 #include "lcp/condition.hpp"
 #include "lcp/lemke.hpp"
 #include "lcp/tolerances.hpp"
+#include "linalg/factorisations.hpp"
 
 namespace pwlsim::lcp {
 

@@ -1,11 +1,11 @@
 #include "lcp/problem.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 #include "lcp/condition.hpp"
 #include "lcp/tolerances.hpp"
+#include "linalg/factorisations.hpp"
 
 namespace pwlsim::lcp {
 

@@ -1,6 +1,7 @@
 #include "linalg/constraint_basis.hpp"
 
-#include <Eigen/LU>
+#include "linalg/factorisations.hpp"
+
 #include <algorithm>
 
 namespace pwlsim::linalg {

@@ -1,12 +1,11 @@
 #include "linalg/dense.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <type_traits>
 #include <vector>
 
+#include "linalg/factorisations.hpp"
 #include "linalg/small.hpp"
 
 namespace pwlsim::linalg {
@@ -305,6 +304,8 @@ WideMatrix wide_range_space(const WideMatrix& m, double tolerance, double scale)
   const Eigen::Index rank = rank_of(qr, tolerance, scale);
   return qr.householderQ() * WideMatrix::Identity(m.rows(), rank);
 }
+
+WideVector wide_least_squares(const WideMatrix& m, const WideVector& b) { return Eigen::ColPivHouseholderQR<WideMatrix>(m).solve(b); }
 
 WideMatrix wide_pseudo_inverse(const WideMatrix& m, double tolerance) {
   if (m.cols() == 0 || m.rows() == 0) return WideMatrix::Zero(m.cols(), m.rows());

@@ -102,6 +102,9 @@ inline constexpr Wide wide_clean_tolerance = 1e-16L;  ///< Of: the same in exten
 /// Orthonormal basis of the column space, same rule.
 [[nodiscard]] WideMatrix wide_range_space(const WideMatrix& m, double tolerance, double scale = 0.0);
 
+/// The x of the least |M x − b|, for independent columns.
+[[nodiscard]] WideVector wide_least_squares(const WideMatrix& m, const WideVector& b);
+
 /// Moore–Penrose pseudoinverse, same rule with the largest pivot as scale.
 [[nodiscard]] WideMatrix wide_pseudo_inverse(const WideMatrix& m, double tolerance);
 

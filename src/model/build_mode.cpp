@@ -1,11 +1,11 @@
 #include "model/build_mode.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "linalg/constraint_basis.hpp"
+#include "linalg/factorisations.hpp"
 #include "model/guard_noise.hpp"
 #include "model/modal_form.hpp"
 #include "model/mode_inputs.hpp"

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 #include "linalg/careful_elimination.hpp"
 #include "linalg/constraint_basis.hpp"
 #include "linalg/doubled.hpp"
+#include "linalg/factorisations.hpp"
 #include "linalg/refined_solution.hpp"
 #include "model/assembly.hpp"
 #include "model/causality.hpp"

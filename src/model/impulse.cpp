@@ -1,10 +1,10 @@
 #include "model/impulse.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 #include "lcp/lemke.hpp"
+#include "linalg/factorisations.hpp"
 #include "model/tolerances.hpp"
 #include "model/valves.hpp"
 

@@ -1,10 +1,9 @@
 #include "model/modal_form.hpp"
 
-#include <Eigen/Dense>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/factorisations.hpp"
 #include "model/tolerances.hpp"
 
 namespace pwlsim::model {

@@ -1,9 +1,9 @@
 #include "model/mode_inputs.hpp"
 
-#include <Eigen/Dense>
 #include <cmath>
 
 #include "linalg/elimination.hpp"
+#include "linalg/factorisations.hpp"
 #include "linalg/refined_solution.hpp"
 #include "model/subspaces.hpp"
 #include "model/tolerances.hpp"
@@ -93,7 +93,7 @@ void ModeInputs::leave_out_rounding(Eigen::Index column, const WideVector& round
   }
   if (condition_ < bad_condition || kept.empty() || kept.size() == r_.j.size()) return;
   const WideMatrix columns = r_.d(Eigen::all, kept);
-  k(kept) = -Eigen::ColPivHouseholderQR<WideMatrix>(columns).solve(r_.c.col(column));
+  k(kept) = -linalg::wide_least_squares(columns, r_.c.col(column));
 }
 
 ModeInputs::Kernel ModeInputs::kernel_of(const linalg::CarefulElimination& elimination) {

@@ -1,8 +1,7 @@
 #include "model/port_problem.hpp"
 
-#include <Eigen/Dense>
-
 #include "lcp/lemke.hpp"
+#include "linalg/factorisations.hpp"
 #include "model/tolerances.hpp"
 
 namespace pwlsim::model {

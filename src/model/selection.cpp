@@ -1,11 +1,11 @@
 #include "model/selection.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <utility>
 
+#include "linalg/factorisations.hpp"
 #include "model/build_mode.hpp"
 #include "model/tolerances.hpp"
 #include "model/valves.hpp"

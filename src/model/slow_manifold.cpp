@@ -1,7 +1,5 @@
 #include "model/slow_manifold.hpp"
 
-#include <Eigen/Dense>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "linalg/elimination.hpp"
+#include "linalg/factorisations.hpp"
 #include "model/mode.hpp"
 #include "model/tolerances.hpp"
 

@@ -1,10 +1,10 @@
 #include "model/static_neighbours.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "linalg/factorisations.hpp"
 #include "model/tolerances.hpp"
 #include "model/valves.hpp"
 

@@ -1,8 +1,8 @@
 #include "model/subspaces.hpp"
 
-#include <Eigen/Dense>
 #include <cmath>
 
+#include "linalg/factorisations.hpp"
 #include "model/tolerances.hpp"
 
 namespace pwlsim::model {

@@ -269,34 +269,44 @@ void Adjoint::pass_instant(std::size_t number, const Functional& functional, Pas
     const Change& change = changes[k];
     const int n = stacking.count(change.island);
     if (n == 0) continue;
-    auto block = pass.lambda.segment(stacking.first(change.island), n);
-    if (instant.changes[k].d.size() > 0) sigma += instant.changes[k].d.dot(block);
-    const std::vector<Vector> ways = along_.states_by_way(change);
-    for (std::size_t w = change.by_way_of.size(); w-- > 0;) {
-      const Mode& mode = *change.by_way_of[w];
-      if (!mode.constrained) continue;
-      if (pass.collects) {
-        const Vector yz = signals_of(change.island, mode, ways[w].data(), time, right);
-        sums_of(pass, change.island, mode).jump.noalias() += block * yz.transpose();
-      }
-      block = mode.projector.topLeftCorner(n, n).transpose() * Vector(block);
-    }
+    if (instant.changes[k].d.size() > 0) sigma += instant.changes[k].d.dot(pass.lambda.segment(stacking.first(change.island), n));
+    pass_ways(change, time, right, pass);
   }
   pass.shifts[number] = sigma;
   if (instant.island < 0 || sigma == 0.0) return;
   const auto island = static_cast<std::size_t>(instant.island);
   pass.lambda.segment(stacking.first(island), stacking.count(island)) += sigma * instant.on_state.transpose();
   if (!pass.collects) return;
-  for (const Change& change : changes) {
-    if (change.island != island || change.before == nullptr) continue;
-    const Vector yz = signals_of(island, *change.before, change.y_before.data(), time, left);
-    Sums& sums = sums_of(pass, island, *change.before);
-    for (std::size_t k = 0; k < instant.on_w.size(); ++k) {
-      const auto row = static_cast<Eigen::Index>(k);
-      if (instant.on_w[k] != 0.0) sums.value.row(row) += sigma * instant.on_w[k] * yz.transpose();
-      if (instant.on_slope[k] != 0.0) sums.slope.row(row) += sigma * instant.on_slope[k] * yz.transpose();
+  const auto own = std::find_if(changes.begin(), changes.end(),
+                                [&](const Change& change) { return change.island == island && change.before != nullptr; });
+  if (own != changes.end()) collect_guard(*own, instant, left, sigma, pass);
+}
+
+/// Back through the jumps of an island at an instant.
+void Adjoint::pass_ways(const Change& change, double time, double right, Pass& pass) const {
+  const Stacking& stacking = along_.orbit_.stacking();
+  const int n = stacking.count(change.island);
+  auto block = pass.lambda.segment(stacking.first(change.island), n);
+  const std::vector<Vector> ways = along_.states_by_way(change);
+  for (std::size_t w = change.by_way_of.size(); w-- > 0;) {
+    const Mode& mode = *change.by_way_of[w];
+    if (!mode.constrained) continue;
+    if (pass.collects) {
+      const Vector yz = signals_of(change.island, mode, ways[w].data(), time, right);
+      sums_of(pass, change.island, mode).jump.noalias() += block * yz.transpose();
     }
-    break;
+    block = mode.projector.topLeftCorner(n, n).transpose() * Vector(block);
+  }
+}
+
+/// What the guard whose zero the instant is reads of the inputs.
+void Adjoint::collect_guard(const Change& change, const LinearInstant& instant, double left, double sigma, Pass& pass) const {
+  const Vector yz = signals_of(change.island, *change.before, change.y_before.data(), instant.time, left);
+  Sums& sums = sums_of(pass, change.island, *change.before);
+  for (std::size_t k = 0; k < instant.on_w.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    if (instant.on_w[k] != 0.0) sums.value.row(row) += sigma * instant.on_w[k] * yz.transpose();
+    if (instant.on_slope[k] != 0.0) sums.slope.row(row) += sigma * instant.on_slope[k] * yz.transpose();
   }
 }
 

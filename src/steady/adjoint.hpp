@@ -122,6 +122,8 @@ class Adjoint {
   [[nodiscard]] const linalg::Exponential& backward_of(const model::Mode& mode) const;
   void pass_segment(std::size_t number, Injections& injections, Pass& pass) const;
   void pass_instant(std::size_t number, const Functional& functional, Pass& pass) const;
+  void pass_ways(const engine::Change& change, double time, double right, Pass& pass) const;
+  void collect_guard(const engine::Change& change, const LinearInstant& instant, double left, double sigma, Pass& pass) const;
   void take_stretches(const Functional& functional, Pass& pass) const;
   [[nodiscard]] const Even& even_of(const Sensitivity::Segment& segment, int density, Pass& pass) const;
   /// Over the part of a segment that begins `since` after its begin; `begin`: (y, z) at the segment's begin.

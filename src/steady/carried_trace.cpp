@@ -1,6 +1,5 @@
 #include "steady/carried_trace.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -9,6 +8,7 @@
 
 #include "engine/exact/tolerances.hpp"
 #include "linalg/dense.hpp"
+#include "linalg/factorisations.hpp"
 #include "model/store_values.hpp"
 #include "steady/tolerances.hpp"
 

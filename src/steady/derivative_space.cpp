@@ -1,7 +1,7 @@
 #include "steady/derivative_space.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
+#include "linalg/factorisations.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -82,7 +82,7 @@ DerivativeSpace::Solution DerivativeSpace::solve(double s) const {
 std::vector<DerivativeSpace::Pair> DerivativeSpace::pairs() const {
   std::vector<Pair> pairs;
   if (dimension_ == 0) return pairs;
-  const Eigen::EigenSolver<Matrix> eigen(h_.topRows(dimension_));
+  const Eigen::EigenSolver<Matrix> eigen(Matrix(h_.topRows(dimension_)));
   const double h = h_(dimension_, dimension_ - 1);
   for (Eigen::Index i = 0; i < dimension_; ++i) {
     Pair pair{eigen.eigenvalues()[i], eigen.eigenvectors().col(i), 0.0};
@@ -95,7 +95,7 @@ std::vector<DerivativeSpace::Pair> DerivativeSpace::pairs() const {
 }
 
 linalg::Vector DerivativeSpace::part_at_one(double width) const {
-  const Eigen::EigenSolver<Matrix> eigen(h_.topRows(dimension_));
+  const Eigen::EigenSolver<Matrix> eigen(Matrix(h_.topRows(dimension_)));
   Eigen::VectorXcd right = Eigen::VectorXcd::Zero(dimension_);
   right[0] = norm_;
   Eigen::VectorXcd share = eigen.eigenvectors().fullPivLu().solve(right);

@@ -1,8 +1,7 @@
 #include "steady/orbit.hpp"
+#include "linalg/factorisations.hpp"
 #include "steady/tolerances.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <utility>

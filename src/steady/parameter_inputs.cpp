@@ -1,12 +1,12 @@
 #include "steady/parameter_inputs.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
 
 #include "linalg/dense.hpp"
+#include "linalg/factorisations.hpp"
 #include "model/conditions.hpp"
 #include "model/moved_network.hpp"
 #include "steady/linearised.hpp"

@@ -351,12 +351,27 @@ class SegmentSearch {
       return;
     }
     DerivativeSpace space(phi_, start);
+    LeadingPairs leading_pairs;
+    if (!find_leading(space, leading_pairs) || space.start_norm() == 0.0 || leading_pairs.pairs.empty()) return;
+    const auto& [pairs, known] = leading_pairs;
+    if (known == 0) orbit_.unknown_stability = fmt::format("the largest multiplier is known to {:.1g} only", pairs.front().residual);
+    if (known == 0 || !follows(space, pairs.front())) return;
+    for (std::size_t i = 0; i < known && std::abs(pairs[i].value) > zero_multiplier; ++i) add_multiplier(space, pairs[i]);
+  }
+
+  /// Eigenvalues of the derivative, the largest first, of which the first `known` are known.
+  struct LeadingPairs {
     std::vector<DerivativeSpace::Pair> pairs;
     std::size_t known = 0;
+  };
+
+  /// False where the map has no derivative.
+  bool find_leading(DerivativeSpace& space, LeadingPairs& found) {
+    auto& [pairs, known] = found;
     while (!space.is_full() && space.dimension() < most_for_multipliers) {
       if (!space.grow()) {
         orbit_.kink = map_.failure();
-        return;
+        return false;
       }
       for (const auto& beside : map_.beside()) note(beside);
       if (space.dimension() % looks_apart != 0 && !space.is_full()) continue;
@@ -365,21 +380,18 @@ class SegmentSearch {
       while (known < pairs.size() && pairs[known].residual <= known_multiplier * std::max(1.0, std::abs(pairs[known].value))) ++known;
       if (known >= leading) break;
     }
-    if (space.start_norm() == 0.0) return;
-    if (pairs.empty()) return;
-    if (known == 0) orbit_.unknown_stability = fmt::format("the largest multiplier is known to {:.1g} only", pairs.front().residual);
-    if (known > 0 && !follows(space, pairs.front())) known = 0;
-    for (std::size_t i = 0; i < known; ++i) {
-      if (std::abs(pairs[i].value) <= zero_multiplier) break;
-      Multiplier m;
-      m.value = pairs[i].value;
-      const Vector re = pairs[i].coordinates.real(), im = pairs[i].coordinates.imag();
-      m.direction = space.measured(re).cast<std::complex<double>>() +
-                    std::complex<double>(0.0, 1.0) * space.measured(im).cast<std::complex<double>>();
-      m.residual = std::max(pairs[i].residual, map_.worst_error());
-      if (std::abs(m.value - 1.0) <= at_one) orbit_.free_directions.push_back(m.direction.real().normalized());
-      orbit_.multipliers.push_back(std::move(m));
-    }
+    return true;
+  }
+
+  void add_multiplier(const DerivativeSpace& space, const DerivativeSpace::Pair& pair) {
+    Multiplier m;
+    m.value = pair.value;
+    const Vector re = pair.coordinates.real(), im = pair.coordinates.imag();
+    m.direction =
+        space.measured(re).cast<std::complex<double>>() + std::complex<double>(0.0, 1.0) * space.measured(im).cast<std::complex<double>>();
+    m.residual = std::max(pair.residual, map_.worst_error());
+    if (std::abs(m.value - 1.0) <= at_one) orbit_.free_directions.push_back(m.direction.real().normalized());
+    orbit_.multipliers.push_back(std::move(m));
   }
 
   static constexpr double zero_multiplier = 1e-9;

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "base/names.hpp"
+#include "linalg/factorisations.hpp"
 #include "steady/subharmonic.hpp"
 #include "steady/tolerances.hpp"
 
@@ -90,7 +90,7 @@ double slowest(const Trace& trace) {
   const auto look = [&](const TraceSegment& segment) {
     const model::Mode& mode = *segment.mode;
     if (mode.n1 == 0) return;
-    const Eigen::EigenSolver<Matrix> eigen(mode.flow.a().topLeftCorner(mode.n1, mode.n1), false);
+    const Eigen::EigenSolver<Matrix> eigen(Matrix(mode.flow.a().topLeftCorner(mode.n1, mode.n1)), false);
     const double largest = eigen.eigenvalues().cwiseAbs().maxCoeff();
     for (const auto& value : eigen.eigenvalues())
       if (std::abs(value) > tolerance::resting_rate * largest) longest = std::max(longest, 1.0 / std::abs(value));

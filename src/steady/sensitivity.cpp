@@ -27,16 +27,7 @@ Eigen::RowVectorXd in_mode(const Mode& mode, int n, const Eigen::RowVectorXd& ro
 Sensitivity::Sensitivity(const engine::ExactModel& model, const Trace& trace, const LinearisedOrbit& orbit, const SensitivityInputs& inputs,
                          bool is_settled)
     : model_(model), trace_(trace), orbit_(orbit), inputs_(inputs), is_settled_(is_settled), of_island_(model.islands.size()) {
-  for (std::size_t island = 0; island < model.islands.size(); ++island) {
-    const System& system = orbit.stacking().system(island);
-    std::vector<char> is_input(static_cast<std::size_t>(system.size() - system.n), 0);
-    for (std::size_t k = 0; k < orbit.inputs(); ++k)
-      if (const InputColumns& column = orbit.columns(island, k); column.value >= 0)
-        is_input[static_cast<std::size_t>(column.value)] = is_input[static_cast<std::size_t>(column.slope)] = 1;
-    auto& kept = kept_.emplace_back();
-    for (std::size_t k = 0; k < is_input.size(); ++k)
-      if (is_input[k] == 0) kept.push_back(static_cast<Eigen::Index>(k));
-  }
+  find_kept_sources();
   for (const TraceStep& step : trace.steps) {
     first_.push_back(segments_.size());
     for (const TraceSegment& segment : step.segments) add(segment);
@@ -47,18 +38,9 @@ Sensitivity::Sensitivity(const engine::ExactModel& model, const Trace& trace, co
   add_static_parts();
   if (is_settled && !trace.steps.empty()) wrap_ = wrap_of(trace);
   for (const engine::IslandModel& island : model.islands) {
+    find_jumping_sources(island);
     const model::StoreValues values(island.island, island.extraction);
     auto& rows = stores_.emplace_back();
-    for (const model::Source& source : island.island.network.sources) {
-      Wave wave{-1, source.function, source.function, -1, source.label.name};
-      if (std::holds_alternative<model::Pulse>(source.function))
-        wave.derivative = model::Pulse{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-      else if (!std::holds_alternative<model::Pwl>(source.function))
-        continue;
-      const auto same = [&](const Wave& other) { return other.name == wave.name; };
-      const bool is_input = std::find(inputs.names.begin(), inputs.names.end(), wave.name) != inputs.names.end();
-      if (!is_input && std::none_of(jumping_.begin(), jumping_.end(), same)) jumping_.push_back(std::move(wave));
-    }
     for (std::size_t k = 0; k < values.names().size(); ++k) rows[values.names()[k]] = values.rows().row(static_cast<Eigen::Index>(k));
   }
   for (std::size_t p = 0; p < inputs.parameters.size(); ++p) {
@@ -67,6 +49,35 @@ Sensitivity::Sensitivity(const engine::ExactModel& model, const Trace& trace, co
     if (sound_[p] != 0) all_.waves.insert(all_.waves.end(), waves.begin(), waves.end());
   }
 }
+
+/// Of each island, the states of its sources that are no inputs.
+void Sensitivity::find_kept_sources() {
+  for (std::size_t island = 0; island < model_.islands.size(); ++island) {
+    const System& system = orbit_.stacking().system(island);
+    std::vector<char> is_input(static_cast<std::size_t>(system.size() - system.n), 0);
+    for (std::size_t k = 0; k < orbit_.inputs(); ++k)
+      if (const InputColumns& column = orbit_.columns(island, k); column.value >= 0)
+        is_input[static_cast<std::size_t>(column.value)] = is_input[static_cast<std::size_t>(column.slope)] = 1;
+    auto& kept = kept_.emplace_back();
+    for (std::size_t k = 0; k < is_input.size(); ++k)
+      if (is_input[k] == 0) kept.push_back(static_cast<Eigen::Index>(k));
+  }
+}
+
+/// Sources with edges that are no inputs.
+void Sensitivity::find_jumping_sources(const engine::IslandModel& island) {
+  for (const model::Source& source : island.island.network.sources) {
+    Wave wave{-1, source.function, source.function, -1, source.label.name};
+    if (std::holds_alternative<model::Pulse>(source.function))
+      wave.derivative = model::Pulse{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    else if (!std::holds_alternative<model::Pwl>(source.function))
+      continue;
+    const auto same = [&](const Wave& other) { return other.name == wave.name; };
+    const bool is_input = std::find(inputs_.names.begin(), inputs_.names.end(), wave.name) != inputs_.names.end();
+    if (!is_input && std::none_of(jumping_.begin(), jumping_.end(), same)) jumping_.push_back(std::move(wave));
+  }
+}
+
 Vector Sensitivity::seen(std::size_t island, const Mode& mode, const double* y) const {
   const auto& kept = kept_[island];
   Vector own(mode.n1 + static_cast<Eigen::Index>(kept.size()));

@@ -101,6 +101,8 @@ class Sensitivity {
       Matrix rows;
     };
     mutable std::map<double, Points> points;
+    /// Its rows, once they are worth it; else none.
+    const Matrix& rows_at_points(double length, const Matrix& read) const;
     /// Of (y, z, c_p) with the integral of what the row reads of it behind it.
     struct Integral {
       Eigen::RowVectorXd row;
@@ -112,6 +114,8 @@ class Sensitivity {
 
   /// So many segments.
   [[nodiscard]] Followed follow(std::size_t parameter, const Vector& start, std::size_t segments) const;
+  void find_kept_sources();
+  void find_jumping_sources(const engine::IslandModel& island);
   void add(const TraceSegment& segment);
   void find_rests(std::size_t segment);
   void check_rests(std::size_t parameter, std::size_t segment, Followed& followed) const;

@@ -138,9 +138,21 @@ double Sensitivity::moved_over(const Followed& followed, std::size_t parameter, 
   return static_cast<double>(sum);
 }
 
+const Matrix& Sensitivity::Flow::rows_at_points(double length, const Matrix& read) const {
+  constexpr int worth_a_matrix = 24;  // so many uses
+  const auto& rule = linalg::gauss_legendre();
+  Points& at = points[length];
+  if (at.rows.size() == 0 && ++at.uses >= worth_a_matrix) {
+    at.rows.resize(read.rows() * static_cast<Eigen::Index>(linalg::legendre_points), read.cols());
+    for (std::size_t i = 0; i < linalg::legendre_points; ++i)
+      at.rows.middleRows(static_cast<Eigen::Index>(i) * read.rows(), read.rows()) =
+          read + read * block->minus_identity(0.5 * (rule.point[i] + 1.0) * length);
+  }
+  return at.rows;
+}
+
 std::vector<std::vector<double>> Sensitivity::moved_at(const Followed& followed, std::size_t parameter, const std::vector<int>& signals,
                                                        double inside, double begin, double length) const {
-  constexpr int worth_a_matrix = 24;  // so many uses
   const auto& rule = linalg::gauss_legendre();
   std::vector<std::vector<double>> values(linalg::legendre_points, std::vector<double>(signals.size(), 0.0));
   for (std::size_t island = 0; island < model_.islands.size(); ++island) {
@@ -156,15 +168,9 @@ std::vector<std::vector<double>> Sensitivity::moved_at(const Followed& followed,
           mode.outputs.row(shares[k].first).head(mode.n1) * flow.scale;
     Vector state = at(flow, *segment, followed.begins[static_cast<std::size_t>(segment - segments_.data())], begin - segment->begin),
            work(2 * state.size());
-    Flow::Points& points = flow.points[length];
-    if (points.rows.size() == 0 && ++points.uses >= worth_a_matrix) {
-      points.rows.resize(rows.rows() * static_cast<Eigen::Index>(linalg::legendre_points), rows.cols());
-      for (std::size_t i = 0; i < linalg::legendre_points; ++i)
-        points.rows.middleRows(static_cast<Eigen::Index>(i) * rows.rows(), rows.rows()) =
-            rows + rows * flow.block->minus_identity(0.5 * (rule.point[i] + 1.0) * length);
-    }
     double since = 0.0;
-    const Vector all = points.rows.size() > 0 ? Vector(points.rows * state) : Vector();
+    const Matrix& at_points = flow.rows_at_points(length, rows);
+    const Vector all = at_points.size() > 0 ? Vector(at_points * state) : Vector();
     for (std::size_t i = 0; i < linalg::legendre_points; ++i) {
       Vector own;
       if (all.size() > 0) {

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "engine/exact/static_solution.hpp"
+#include "linalg/factorisations.hpp"
 #include "model/conditions.hpp"
 #include "model/store_values.hpp"
 #include "steady/tolerances.hpp"

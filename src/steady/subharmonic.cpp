@@ -1,7 +1,7 @@
 #include "steady/subharmonic.hpp"
+#include "linalg/factorisations.hpp"
 #include "steady/tolerances.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 namespace pwlsim::steady {

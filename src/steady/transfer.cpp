@@ -1,7 +1,7 @@
 #include "steady/transfer.hpp"
+#include "linalg/factorisations.hpp"
 #include "steady/tolerances.hpp"
 
-#include <Eigen/LU>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -140,10 +140,16 @@ Transfer::Stretch Transfer::travel(const LinearSegment& s, double length, const 
     if (pass.collects) stretch.integral = turn0 * (whole_out * c0 + rest * b);
     return stretch;
   }
-  // σ = e^{−jω_out t}c, its input, and the integral of σ, in one exponential.
-  const Eigen::Index n = mode.n1;
+  return travel_by_exponential(s, length, c0, b, pass);
+}
+
+/// σ = e^{−jω_out t}c, its input, and the integral of σ, in one exponential.
+Transfer::Stretch Transfer::travel_by_exponential(const LinearSegment& s, double length, const ComplexVector& c0, const ComplexVector& b,
+                                                  const Pass& pass) {
+  const Complex turn0 = std::exp(-j * pass.omega_out * s.begin), turn1 = std::exp(-j * pass.omega_out * (s.begin + length));
+  const Eigen::Index n = s.mode->n1;
   ComplexMatrix m = ComplexMatrix::Zero(2 * n + 1, 2 * n + 1);
-  m.topLeftCorner(n, n) = shifted(mode, total);
+  m.topLeftCorner(n, n) = shifted(*s.mode, pass.omega + pass.omega_out);
   m.block(0, n, n, 1) = b;
   m(n, n) = -j * pass.omega_out;
   m.bottomLeftCorner(n, n).setIdentity();

@@ -135,7 +135,9 @@ class Locator {
   void march(Segment& segment, double end, Located& located);
   static bool is_worth_eigenvectors(const Segment& segment);
   enum class Progress { none, some, to_end };
+  static Progress ask_later(Segment& segment, int turns);
   Progress search_modal_form(Segment& segment, double end, double shortest, Located& located);
+  Progress pass_without_root(Segment& segment, double end, double shortest, const ModalSearch::Found& found, std::uint64_t used);
   void differentiate(const Segment& segment);
   void series_state(const Segment& segment, double step, double* out);
   struct Isolated {

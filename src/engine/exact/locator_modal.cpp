@@ -33,45 +33,47 @@ bool Locator::is_worth_eigenvectors(const Segment& s) {
   return left > 0;
 }
 
+Locator::Progress Locator::ask_later(Segment& s, int turns) {
+  s.turns_without_modal_form = turns;
+  return Progress::none;
+}
+
+/// The guards are positive to the end, or some way.
+Locator::Progress Locator::pass_without_root(Segment& s, double end, double shortest, const ModalSearch::Found& found, std::uint64_t used) {
+  const bool is_whole = found.verdict == ModalSearch::Verdict::positive;
+  if (is_whole && used <= few_intervals) {
+    s.certified = end;
+    return Progress::to_end;
+  }
+  const double step = is_whole ? end - s.tau : found.lower;
+  if (step < shortest) return ask_later(s, turns_without);
+  s.intervals += used;
+  state_at(s, step, ye_.data());
+  const bool is_clear = std::all_of(modal_guards_.begin(), modal_guards_.end(), [&](const ModalSearch::Guard& guard) {
+    return linalg::row_times(s.mode->guards, guard.row, ye_.data()) > leaving_zero * guard.noise;
+  });
+  if (!is_whole && !is_clear) return ask_later(s, turns_beside_zero);
+  if (is_clear) accept(s, step, end);
+  if (is_whole) s.certified = end;
+  return is_whole ? Progress::to_end : Progress::some;
+}
+
 /// To the end of the segment, or its first event; some way, with no event before; or none, where eigenvectors have nothing to say. Needs first derivatives.
 Locator::Progress Locator::search_modal_form(Segment& s, double end, double shortest, Located& located) {
-  const model::Mode& m = *s.mode;
   if (--s.turns_without_modal_form >= 0) return Progress::none;
   s.turns_without_modal_form = 0;
   if (!is_worth_eigenvectors(s)) return Progress::none;
-  const auto nothing = [&s](int turns) {
-    s.turns_without_modal_form = turns;
-    return Progress::none;
-  };
   modal_guards_.clear();
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const int order = s.tau == 0.0 ? s.departures[i].order : 0;
-    if (order > 1 || is_at_rest(s, i)) return nothing(turns_without);
+    if (order > 1 || is_at_rest(s, i)) return ask_later(s, turns_without);
     modal_guards_.push_back({s.rows[i], g_[i], noise_of(s, s.rows[i]), order == 1});
   }
-  const double h = end - s.tau;
   const std::uint64_t before = modal_search_.intervals();
-  const ModalSearch::Found found = modal_search_.search(*m.modal_form, modal_guards_, s.y.data(), h);
+  const ModalSearch::Found found = modal_search_.search(*s.mode->modal_form, modal_guards_, s.y.data(), end - s.tau);
   const std::uint64_t used = modal_search_.intervals() - before;
   intervals_ += used;
-  if (found.verdict != ModalSearch::Verdict::root) {
-    const bool is_whole = found.verdict == ModalSearch::Verdict::positive;
-    if (is_whole && used <= few_intervals) {
-      s.certified = end;
-      return Progress::to_end;
-    }
-    const double step = is_whole ? h : found.lower;
-    if (step < shortest) return nothing(turns_without);
-    s.intervals += used;
-    state_at(s, step, ye_.data());
-    const bool is_clear = std::all_of(modal_guards_.begin(), modal_guards_.end(), [&](const ModalSearch::Guard& guard) {
-      return linalg::row_times(m.guards, guard.row, ye_.data()) > leaving_zero * guard.noise;
-    });
-    if (!is_whole && !is_clear) return nothing(turns_beside_zero);
-    if (is_clear) accept(s, step, end);
-    if (is_whole) s.certified = end;
-    return is_whole ? Progress::to_end : Progress::some;
-  }
+  if (found.verdict != ModalSearch::Verdict::root) return pass_without_root(s, end, shortest, found, used);
   ++s.intervals;
   state_at(s, found.at, event_.data());
   end_at_event(s, found.guard, polish_or_search(s, found.guard, found.lower, found.upper, found.at), end, located);

@@ -89,21 +89,25 @@ void ModalSearch::evaluate(double tau, Exponents* out) const {
   }
 }
 
-/// Coefficients of every guard.
-void ModalSearch::begin(std::span<const Guard> guards, const double* y) {
-  const model::ModalForm& form = *form_;
-  const auto rows = static_cast<std::size_t>(form.velocities.rows());
-  const Eigen::Index ny = form.velocities.cols();
-  if (z_.size() < rows + static_cast<std::size_t>(ny)) {
-    for (auto* v : {&z_, &push_, &size_}) v->resize(rows + static_cast<std::size_t>(ny));
+void ModalSearch::make_room(std::size_t guards) {
+  const auto rows = static_cast<std::size_t>(form_->velocities.rows() + form_->velocities.cols());
+  if (z_.size() < rows) {
+    for (auto* v : {&z_, &push_, &size_}) v->resize(rows);
   }
   if (points_.size() < count_ * (most_depth + 3)) {
     points_.resize(count_ * (most_depth + 3));
     trial_.resize(count_);
   }
-  if (coefficients_.size() < guards.size() * count_) coefficients_.resize(guards.size() * count_);
-  if (drift_.size() < guards.size()) drift_.resize(guards.size());
+  if (coefficients_.size() < guards * count_) coefficients_.resize(guards * count_);
+  if (drift_.size() < guards) drift_.resize(guards);
+}
 
+/// Coefficients of every guard.
+void ModalSearch::begin(std::span<const Guard> guards, const double* y) {
+  make_room(guards.size());
+  const model::ModalForm& form = *form_;
+  const auto rows = static_cast<std::size_t>(form.velocities.rows());
+  const Eigen::Index ny = form.velocities.cols();
   double* magnitudes = &size_[rows];
   for (Eigen::Index i = 0; i < ny; ++i) magnitudes[i] = std::abs(y[i]);
   linalg::multiply(form.velocities, y, z_.data());

@@ -72,6 +72,7 @@ class ModalSearch {
   };
 
   [[nodiscard]] double turn() const;
+  void make_room(std::size_t guards);
   void begin(std::span<const Guard> guards, const double* y);
   static void evaluate(const model::ModalRate& rate, double tau, Exponents& out);
   void evaluate(double tau, Exponents* out) const;

@@ -1,6 +1,5 @@
 #include "engine/exact/static_ports.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +7,7 @@
 #include "engine/exact/tolerances.hpp"
 #include "lcp/lemke.hpp"
 #include "lcp/solve.hpp"
+#include "linalg/factorisations.hpp"
 #include "model/causality.hpp"
 #include "model/valves.hpp"
 

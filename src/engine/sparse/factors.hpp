@@ -7,13 +7,13 @@
 /// still drowns.
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "engine/sparse/open_parts.hpp"
 #include "linalg/dense.hpp"
+#include "linalg/factorisations.hpp"
 #include "linalg/klu.hpp"
 
 namespace pwlsim::engine::sparse {

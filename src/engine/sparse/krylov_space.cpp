@@ -1,12 +1,11 @@
 #include "engine/sparse/krylov_space.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "engine/sparse/tolerances.hpp"
+#include "linalg/factorisations.hpp"
 
 namespace pwlsim::engine::sparse {
 

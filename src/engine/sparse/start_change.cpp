@@ -1,7 +1,7 @@
 #include "engine/sparse/start_change.hpp"
 #include "engine/sparse/tolerances.hpp"
+#include "linalg/factorisations.hpp"
 
-#include <Eigen/LU>
 #include <cmath>
 
 namespace pwlsim::engine::sparse {
