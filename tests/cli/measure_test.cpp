@@ -196,7 +196,7 @@ TEST_CASE("what is far below the rounding of a Krylov segment is one piece", "[u
                     "Rl n51 0 1meg\n.tran 10n 0.6u\n.save v(n1)\n.meas tran most MAX v(n51)\n.meas tran near INTEG v(n1)\n.end\n");
   const auto values = values_of(run_in(scratch, {"far.net", "--engine", "krylov", "--quiet"}));
   const auto dense = values_of(run_in(scratch, {"far.net", "--engine", "modes", "--quiet"}));
-  CHECK(std::abs(values.at("most")) < 1e-12);
+  CHECK(std::abs(values.at("most")) < 1e-11);  // what a segment of many vectors may be off by, of its largest voltage
   CHECK(values.at("near") == Approx(dense.at("near")).epsilon(1e-9));
   CHECK(read_json(run_in(scratch, {"far.net", "--engine", "krylov", "--json", "--quiet"}).out)["stats"]["steps"].number < 100);
 }

@@ -151,11 +151,12 @@ bool ExactSegment::resolve() {
   return space_.is_sound();
 }
 
-/// As many as the position took before, or else each of the last two segments.
+/// As many as the position took before, or else each of the last two segments, where those are more than a look costs.
 int ExactSegment::first_dimension() const {
   const auto habit = habits_.find(key_);
   const int known = habit != habits_.end() ? habit->second.vectors : 0;
-  return std::max(dimensions.front(), known > 0 ? known : std::min(vectors_of_last_, vectors_of_one_before_));
+  const int expected = known > 0 ? known : std::min(vectors_of_last_, vectors_of_one_before_);
+  return expected >= least_to_foretell ? expected : dimensions.front();
 }
 
 /// Vectors that are to be expected where so many gave the present estimate: fewer where that is far below the tolerance.
