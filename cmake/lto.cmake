@@ -9,6 +9,8 @@ if(PWLSIM_LTO AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT CMAKE_BUILD_TYPE 
   foreach(room IN LISTS PWLSIM_LTO_ROOMS)
     target_compile_options(pwlsim_${room} PRIVATE -flto=auto -ffat-lto-objects)
   endforeach()
+  # Instantiations that are called, not inlined: twice the compile time for nothing.
+  set_source_files_properties(${PROJECT_SOURCE_DIR}/src/linalg/factorisations.cpp PROPERTIES COMPILE_OPTIONS -fno-lto)
   add_link_options($<IF:$<BOOL:$<TARGET_PROPERTY:PWLSIM_WHOLE>>,-flto=auto,-fno-lto>)
 endif()
 
