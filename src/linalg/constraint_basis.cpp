@@ -1,8 +1,8 @@
 #include "linalg/constraint_basis.hpp"
 
-#include "linalg/factorisations.hpp"
-
 #include <algorithm>
+
+#include "linalg/factorisations.hpp"
 
 namespace pwlsim::linalg {
 

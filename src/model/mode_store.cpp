@@ -33,7 +33,7 @@ const Mode* ModeStore::slow_mode(const IndexSet& set) {
   if (!about.slow_is_known) {
     about.slow_is_known = true;
     const Mode& whole = mode(set);
-    if (unseen_ > 0.0 && system_.ports > 0) split(about, whole);
+    if (may_split(whole)) split(about, whole);
   }
   return about.slow.get();
 }

@@ -1,9 +1,9 @@
 #include "steady/derivative_space.hpp"
 
-#include "linalg/factorisations.hpp"
-
 #include <algorithm>
 #include <cmath>
+
+#include "linalg/factorisations.hpp"
 
 namespace pwlsim::steady {
 namespace {

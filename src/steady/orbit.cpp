@@ -1,10 +1,11 @@
 #include "steady/orbit.hpp"
-#include "linalg/factorisations.hpp"
-#include "steady/tolerances.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "linalg/factorisations.hpp"
+#include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
 namespace {

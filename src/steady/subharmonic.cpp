@@ -1,8 +1,9 @@
 #include "steady/subharmonic.hpp"
-#include "linalg/factorisations.hpp"
-#include "steady/tolerances.hpp"
 
 #include <cmath>
+
+#include "linalg/factorisations.hpp"
+#include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
 namespace {

@@ -1,10 +1,11 @@
 #include "steady/transfer.hpp"
-#include "linalg/factorisations.hpp"
-#include "steady/tolerances.hpp"
 
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "linalg/factorisations.hpp"
+#include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
 namespace {

@@ -64,6 +64,8 @@ class ExactRun : private RowSource {
   bool settle(Instant& instant, bool at_start);
   bool select_open(const std::vector<IslandRun*>& islands, Instant& instant);
   void take_clocks(Instant& instant);
+  template <class Controls>
+  void add_flips(const std::vector<IslandRun*>& islands, const Controls& controls);
   bool flip_without_mode(Instant& instant, bool at_start);
   bool flip_passing(Instant& instant);
   bool select_logic(Instant& instant);

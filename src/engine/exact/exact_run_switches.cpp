@@ -80,24 +80,27 @@ void ExactRun::take_clocks(Instant& instant) {
   }
 }
 
+/// To `flips_`: the switches of the controls that each open island names.
+template <class Controls>
+void ExactRun::add_flips(const std::vector<IslandRun*>& islands, const Controls& controls) {
+  for (IslandRun* island : islands) {
+    if (!island->is_open()) continue;
+    for (const int c : controls(*island)) flips_.push_back(island->system().controls[static_cast<std::size_t>(c)].driven);
+  }
+}
+
 bool ExactRun::flip_without_mode(Instant& instant, bool at_start) {
   flips_.clear();
   take_clocks(instant);
-  for (IslandRun* island : steering_) {
-    if (!island->is_open()) continue;
-    for (const int c : island->violated_without_mode(instant.time, on_, at_start))
-      flips_.push_back(island->system().controls[static_cast<std::size_t>(c)].driven);
-  }
+  add_flips(steering_,
+            [&](IslandRun& island) -> const std::vector<int>& { return island.violated_without_mode(instant.time, on_, at_start); });
   return flip(instant);
 }
 
 /// What passes at one instant with switches that have been set already, by its mode of before: no position between the two is entered.
 bool ExactRun::flip_passing(Instant& instant) {
   flips_.clear();
-  for (IslandRun* island : sensing_) {
-    if (!island->is_open()) continue;
-    for (const int c : island->passing_controls(on_)) flips_.push_back(island->system().controls[static_cast<std::size_t>(c)].driven);
-  }
+  add_flips(sensing_, [&](IslandRun& island) -> const std::vector<int>& { return island.passing_controls(on_); });
   return flip(instant);
 }
 
@@ -121,10 +124,7 @@ bool ExactRun::flip_logic(Instant& instant) {
 /// All switches whose control has passed at this instant change together.
 bool ExactRun::flip_violated(Instant& instant) {
   flips_.clear();
-  for (IslandRun* island : sensing_) {
-    if (!island->is_open()) continue;
-    for (const int c : island->violated_controls(on_)) flips_.push_back(island->system().controls[static_cast<std::size_t>(c)].driven);
-  }
+  add_flips(sensing_, [&](IslandRun& island) -> const std::vector<int>& { return island.violated_controls(on_); });
   return flip(instant);
 }
 

@@ -184,15 +184,13 @@ EnergyBalance energy_balance(const IslandModel& island, const Rows& rows, const 
   const int panels = static_cast<int>(std::clamp(std::ceil(rate * length / panel_rate), 1.0, static_cast<double>(most_panels)));
   const double panel = std::min(length / panels, panel_rate / rate);
   const auto ny = static_cast<Eigen::Index>(y0.size());
+  const Matrix step = panel * mode.flow.a();
   Matrix derivatives(ny, series_terms);  // times panel^k
   derivatives.col(0) = Eigen::Map<const Vector>(y0.data(), ny);
   double integral = 0.0;
   double throughput = 0.0;
   for (int i = 0; i < panels; ++i) {
-    for (int k = 1; k < series_terms; ++k) {
-      linalg::multiply(mode.flow.a(), derivatives.col(k - 1).data(), derivatives.col(k).data());
-      derivatives.col(k) *= panel;
-    }
+    linalg::multiply_repeatedly(step, series_terms - 1, derivatives.data());
     const Matrix states = derivatives * series;
     const Points p = locate_points(s, mode, states.leftCols(series.cols() - 1));
     const Matrix voltage = rows.voltage_of_x * p.x + rows.voltage_of_u * p.u, current = rows.current_of_x * p.x + rows.current_of_u * p.u;

@@ -32,7 +32,6 @@ constexpr int longest_standing = 1 << 16;  ///< accepted steps there between two
 constexpr double signal_tolerances = 10.0;
 constexpr std::size_t many_crossings = 3;  ///< in a step: not one by one, if that is within the tolerance
 constexpr int absorbed_levels = 6;         ///< the Euler step behind such a step is so much shorter
-constexpr int longest_pause = 63;          ///< of such steps between two attempts
 /// A step of this part of √reltol of the fastest time constant moves nothing by the tolerance, once what it moves is drawn back.
 constexpr double shortest_share = 0.25;
 constexpr std::size_t most_positions = 1u << 20;
@@ -194,16 +193,7 @@ bool PartRun::step() {
 }
 
 /// Tried less and less often where it fails.
-bool PartRun::absorbs(double h) {
-  if (absorb_wait_ > 0) {
-    --absorb_wait_;
-    return false;
-  }
-  const bool done = absorb(h);
-  absorb_pause_ = done ? 0 : std::min(2 * absorb_pause_ + 1, longest_pause);
-  absorb_wait_ = absorb_pause_;
-  return done;
-}
+bool PartRun::absorbs(double h) { return absorbing_.is_due() && absorbing_.note(absorb(h)); }
 
 /// A step in which many ports change sides, none of them located. False: they matter.
 bool PartRun::absorb(double h) {

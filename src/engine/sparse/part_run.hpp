@@ -9,6 +9,7 @@
 /// At an instant (source breakpoint, change of sides) three short implicit Euler steps find the new position: the first takes the jump, the others give initial
 /// rates and rows.
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <span>
@@ -26,6 +27,27 @@
 #include "engine/sparse/tie_selector.hpp"
 
 namespace pwlsim::engine::sparse {
+
+/// What is tried less and less often where it fails: at each failure in a row 1, 3, 7, … turns pass, 63 at most.
+class Attempts {
+ public:
+  /// False: a turn passes.
+  bool is_due() {
+    if (wait_ == 0) return true;
+    --wait_;
+    return false;
+  }
+  /// What came of it, which is returned.
+  bool note(bool success) {
+    pause_ = success ? 0 : std::min(2 * pause_ + 1, longest_pause);
+    wait_ = pause_;
+    return success;
+  }
+
+ private:
+  static constexpr int longest_pause = 63;
+  int pause_ = 0, wait_ = 0;  ///< after the last failure, and what is left of it
+};
 
 class PartRun {
  public:
@@ -239,12 +261,12 @@ class PartRun {
   bool stops_before_end_ = false;
   std::vector<Position> refused_jumps_;  ///< of steps of several lengths: positions whose jump asks for impulses backwards
   bool trusts_jumps_ = false;
-  int early_pause_ = 0, early_wait_ = 0;  ///< openings without early rejection: after the last failure of one, and those still to come
-  Position position_ahead_;               ///< where the passage at hand leads
-  double segment_tau_ = 0.0;              ///< so far
-  std::unique_ptr<TieSelector> ties_;     ///< likewise
-  int last_guard_ = -1;                   ///< that ended the segment before
-  int passing_ = -1;                      ///< the same, until the position behind it is found
+  Attempts rejecting_early_;           ///< of openings
+  Position position_ahead_;            ///< where the passage at hand leads
+  double segment_tau_ = 0.0;           ///< so far
+  std::unique_ptr<TieSelector> ties_;  ///< likewise
+  int last_guard_ = -1;                ///< that ended the segment before
+  int passing_ = -1;                   ///< the same, until the position behind it is found
   Point point_;
   Position position_before_;  ///< before the instant that is due
   std::unordered_set<std::string>
@@ -264,7 +286,7 @@ class PartRun {
   bool starting_ = false, restart_due_ = false, finished_ = false, start_projected_ = false, rejected_ = false;
   double moved_ = 0.0, motion_left_ = 0.0, damped_ = 0.0;
   Crowd crowd_;
-  int absorb_wait_ = 0, absorb_pause_ = 0;
+  Attempts absorbing_;
   int standing_ = 0, standing_limit_ = 32;  ///< steps accepted in a row without a longer one, and how many are enough to try
   std::uint64_t steps_ = 0, events_ = 0, jumps_ = 0;
   std::unordered_set<std::size_t> positions_;

@@ -33,8 +33,7 @@ struct Relaxation {
 constexpr std::array<Relaxation, 7> relaxations{
     {{1.0, false}, {1.0, true}, {1.0, false, 0x1p-12}, {1.0, false, 0x1p-24}, {30.0, true}, {1e3, true}, {1e3, false}}};
 constexpr double shortest_with_jumps = 1e-5;  ///< of the usual length: in steps for shorter segments impulses leave states no digits
-constexpr int longest_pause = 63;
-constexpr char idle_mark = 2;  ///< of a port that is on and carries nothing
+constexpr char idle_mark = 2;                 ///< of a port that is on and carries nothing
 constexpr std::size_t last_coefficients = 3;
 /// Chebyshev points of (0, 1): where the certificate looks inside of a segment, whose ends may both lie near zero.
 constexpr std::array<double, 3> inner_points{0.066987298107780677, 0.5, 0.93301270189221932};
@@ -52,16 +51,13 @@ ExactSegment::Opened PartRun::open_segment(const Position& on) {
 /// that have them are left at once, as long as that leads to one that holds.
 bool PartRun::follows_directly(const Position& candidate) {
   if (!passive_ || starting_) return false;
-  const bool rejects = early_wait_ == 0;
-  early_wait_ -= rejects ? 0 : 1;
-  segment_->reject_early(rejects);
+  segment_->reject_early(rejecting_early_.is_due());
   const auto opened = open_segment(candidate);
   segment_->reject_early(false);
   const bool is_rejected = segment_->is_rejected();
   const bool is_found = opened == ExactSegment::Opened::yes && follows_by_signs(candidate);
   if (!is_rejected) return is_found;
-  early_pause_ = early_wait_ = is_found ? 0 : std::min(2 * early_pause_ + 1, longest_pause);
-  return is_found || (open_segment(candidate) == ExactSegment::Opened::yes && follows_by_signs(candidate));
+  return rejecting_early_.note(is_found) || (open_segment(candidate) == ExactSegment::Opened::yes && follows_by_signs(candidate));
 }
 
 /// The same, where the candidate's segment is open.

@@ -63,7 +63,7 @@ void RestingParts::add_ports() {
   holds_.resize(edges_.size());
 }
 
-void RestingParts::find(const Position& on, const Start& start, const std::vector<double>& weights, double size) {
+void RestingParts::find(const Position& on, const Origin& start, const std::vector<double>& weights, double size) {
   nodes_.clear();
   currents_.clear();
   on_ = &on;
@@ -85,7 +85,7 @@ void RestingParts::find(const Position& on, const Start& start, const std::vecto
 }
 
 /// Nodes that are one. False: none are.
-bool RestingParts::merge(const Start& start) {
+bool RestingParts::merge(const Origin& start) {
   const auto count = at_.size();
   merged_ = DisjointSets(static_cast<int>(count));
   bool any = false;
@@ -108,13 +108,15 @@ bool RestingParts::merge(const Start& start) {
 /// False: it has been seen in a part that is not at rest, which this is then.
 bool RestingParts::enter(int edge) {
   int& seen = seen_[static_cast<std::size_t>(edge)];
-  if (seen == 0) part_edges_.push_back(edge);
-  if (seen == 0) seen = part_;
+  if (seen == 0) {
+    part_edges_.push_back(edge);
+    seen = part_;
+  }
   return seen == part_;
 }
 
 /// Whether the part of the network that a store is in is at rest: it is what can be reached from there without passing a node that hangs others.
-bool RestingParts::rests(int edge, const Start& start) {
+bool RestingParts::rests(int edge, const Origin& start) {
   part_edges_.clear();
   part_nodes_.clear();
   part_hangs_on_ = nowhere;

@@ -21,13 +21,13 @@ class RestingParts {
   /// The descriptor must outlive it.
   explicit RestingParts(const Descriptor& descriptor);
 
-  struct Start {
+  struct Origin {
     const std::vector<double>& z;
     const std::vector<double>& more;  ///< charges and fluxes beside those of z; may be empty
     bool has_sources = true;          ///< false: z is a deviation, which sources and drops have none of
   };
   /// The parts at rest from `start` on. `weights`: of states, whose squares add up to that of `size`.
-  void find(const Position& on, const Start& start, const std::vector<double>& weights, double size);
+  void find(const Position& on, const Origin& start, const std::vector<double>& weights, double size);
   /// Takes the rounding out of what is at rest.
   void hold(std::vector<double>& z) const;
 
@@ -43,9 +43,8 @@ class RestingParts {
   [[nodiscard]] bool conducts(const Edge& edge) const { return edge.port < 0 || (*on_)[static_cast<std::size_t>(edge.port)] != 0; }
   [[nodiscard]] bool is_wire(const Edge& edge) const { return edge.is_wire && !is_source(edge); }
   [[nodiscard]] bool is_source(const Edge& edge) const { return has_sources_ && edge.is_source; }
-  [[nodiscard]] bool hangs_others(int node) const { return shared_[static_cast<std::size_t>(merged_.find(node))] != 0; }
-  [[nodiscard]] bool merge(const Start& start);
-  [[nodiscard]] bool rests(int edge, const Start& start);
+  [[nodiscard]] bool merge(const Origin& start);
+  [[nodiscard]] bool rests(int edge, const Origin& start);
   [[nodiscard]] bool enter(int edge);
   void add_part();
   void take_out_ends();
@@ -53,12 +52,11 @@ class RestingParts {
   const Descriptor& descriptor_;
   std::vector<Edge> edges_;
   std::vector<int> wires_;            ///< those that may be wires
-  std::vector<int> edge_of_state_;    ///< capacitors, then inductors
   std::vector<std::vector<int>> at_;  ///< edges of each node
   // of the last search
   const Position* on_ = nullptr;
   bool has_sources_ = true;
-  mutable DisjointSets merged_;
+  DisjointSets merged_;
   std::vector<char> shared_, charged_;  ///< of sets of nodes
   std::vector<char> holds_, rests_;     ///< of edges: storage that is no rounding; at rest
   std::vector<int> seen_;               ///< the number of the part in which they have been seen

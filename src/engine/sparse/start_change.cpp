@@ -1,8 +1,9 @@
 #include "engine/sparse/start_change.hpp"
-#include "engine/sparse/tolerances.hpp"
-#include "linalg/factorisations.hpp"
 
 #include <cmath>
+
+#include "engine/sparse/tolerances.hpp"
+#include "linalg/factorisations.hpp"
 
 namespace pwlsim::engine::sparse {
 
