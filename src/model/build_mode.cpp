@@ -298,6 +298,7 @@ void ModeMaker::add_decays(const Mode& whole, Mode& slow) const {
   decays->slowest = manifold_->slowest;
   decays->rate_doubt = manifold_->rate_doubt;
   decays->coordinates = manifold_->coordinates;
+  decays->slow = slow.basis.transpose() * slow.projector.topRows(s_.n);
   const Matrix fast =
       whole.constrained ? Matrix(whole.basis.transpose() * (whole.projector.topLeftCorner(s_.n, s_.n) * manifold_->fast)) : manifold_->fast;
   decays->guards = whole.guards.leftCols(whole.n1) * fast;

@@ -27,6 +27,7 @@ struct Decays {
   double slowest = 0.0;     ///< the largest T_k, s
   Vector time_constants;    ///< T_k, s; 0: a jump
   Matrix coordinates;       ///< ψ = coordinates·x (r × size)
+  Matrix slow;              ///< the slow motion's c = slow·x, whatever ψ is (n1 × size)
   Matrix guards;            ///< contribution of ψ to each guard (guards × r)
   Matrix guard_doubt;       ///< their possible rounding errors
   Vector guard_rounding;    ///< of the sum, which is the guard in the mode itself, for a state of norm 1

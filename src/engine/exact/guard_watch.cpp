@@ -13,7 +13,8 @@ namespace {
 
 /// Segments that are looked into; of those behind them one in so many.
 constexpr std::uint64_t first_segments = 256, selection = 32;
-/// Points inside: one for each unit of rate·length, up to so many. Where that is below one, a guard is nearly a parabola, which cannot dip between two looks.
+/// Points inside: one for each unit of rate·length, up to so many. Where that is below one, a guard is nearly a parabola, which cannot dip between two looks. Beside fast decays the
+/// rate is that of the slow motion, and one point is for them.
 constexpr double most_points = 8.0;
 constexpr double pi = 3.14159265358979323846;
 constexpr int few_ports = 4;  ///< whose rows by themselves cost less than all rows together
@@ -40,7 +41,8 @@ void GuardWatch::look(const model::Mode& mode, const double* y, double time) {
 
 void GuardWatch::look_inside(const model::Mode& mode, const double* y0, double begin, double length) {
   if (system_.diodes == 0 || (++segments_ > first_segments && segments_ % selection != 0)) return;
-  const double points = std::min(most_points, std::floor(mode.flow.rate() * length));
+  const double units = mode.slow ? 1.0 + mode.slow->flow.rate() * length : mode.flow.rate() * length;
+  const double points = std::min(most_points, std::floor(units));
   if (!(points >= 1.0)) return;
   const auto ny = static_cast<std::size_t>(mode.ny);
   y_.resize(std::max(y_.size(), ny));

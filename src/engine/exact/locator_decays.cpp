@@ -49,11 +49,13 @@ void Locator::take_decays(Segment& s) {
       model::tolerance::state_rounding * (decays.coordinates.cwiseAbs() * x.cwiseAbs());
 }
 
-/// The slow motion's own coordinates of a state of the mode, in slow_state_.
+/// The slow motion's own coordinates of a state of the mode, in slow_state_: along the decays, which are not orthogonal to it.
 void Locator::take_slow_state(const Segment& s, const double* y) {
-  slow_state_.resize(static_cast<std::size_t>(s.mode->slow->ny));
+  const Mode& slow = *s.mode->slow;
+  slow_state_.resize(static_cast<std::size_t>(slow.ny));
   model::from_mode(*s.system, *s.mode, y, whole_state_.data());
-  model::to_mode(*s.system, *s.mode->slow, whole_state_.data(), slow_state_.data());
+  linalg::multiply(slow.decays->slow, whole_state_.data(), slow_state_.data());
+  linalg::copy(whole_state_.data() + s.system->n, s.system->n_zeta, slow_state_.data() + slow.n1);
 }
 
 void Locator::derive_with_decays(const Segment& s) {

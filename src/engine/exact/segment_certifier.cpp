@@ -17,7 +17,7 @@ using linalg::Vector;
 
 constexpr std::size_t most_samples = 16;
 constexpr std::size_t most_first_visits = 32;
-constexpr int most_panels = 8;      ///< of the energy quadrature; a longer stiff stretch is cut to its beginning
+constexpr int most_panels = 4;      ///< of the energy quadrature; a longer stiff stretch is cut to its beginning
 constexpr double panel_rate = 0.5;  ///< rate·panel: eight Gauss points are exact to rounding there
 
 constexpr int series_terms = 18;                  ///< of a panel: panel_rate¹⁸/18! is 10⁻²¹
