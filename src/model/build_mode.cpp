@@ -296,6 +296,7 @@ void ModeMaker::add_decays(const Mode& whole, Mode& slow) const {
   auto decays = std::make_unique<Decays>();
   decays->time_constants = manifold_->time_constants;
   decays->slowest = manifold_->slowest;
+  decays->are_sharp = manifold_->are_sharp;
   decays->rate_doubt = manifold_->rate_doubt;
   decays->coordinates = manifold_->coordinates;
   decays->slow = slow.basis.transpose() * slow.projector.topRows(s_.n);

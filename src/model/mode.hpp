@@ -32,6 +32,7 @@ struct Decays {
   Matrix guard_doubt;       ///< their possible rounding errors
   Vector guard_rounding;    ///< of the sum, which is the guard in the mode itself, for a state of norm 1
   double rate_doubt = 0.0;  ///< possible error of the slow rates from rounding of A, 1/s
+  bool are_sharp = false;   ///< each T_k has its digits, and holds to the decay's end
 };
 
 struct Mode {

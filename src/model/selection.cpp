@@ -81,7 +81,10 @@ bool Selector::strictly_consistent(const Mode& mode, const double* x, double* pr
 bool Selector::lies_in(const Mode& mode, const double* x) {
   if (!mode.decays) return consistent(mode, x, projected_.data());
   const bool settles = !has_settled(mode);
-  if (settles) left_ = mode.decays->coordinates * Eigen::Map<const Vector>(x, system_.size());
+  if (settles) {
+    left_.resize(mode.decays->coordinates.rows());
+    linalg::multiply(mode.decays->coordinates, x, left_.data());
+  }
   verifier_.set_left(settles ? &left_ : nullptr);
   return consistent(mode, x, projected_.data()) || !settles || decays_unseen(mode, x);
 }
@@ -412,12 +415,12 @@ const Mode* Selector::search(double* x, const IndexSet& current, int trigger, bo
     warm = found && !(one_way && !modes_.known(current).successors.empty());
   }
   if (!found && !one_way) found = remembered(x, current);
+  if (!found && may_jump_) found = by_way(x, current);
   if (!found && trigger >= 0 && trigger < system_.diodes) found = by_repeated_rule(x, with_flipped(current, trigger));
   if (!found) {
     const IndexSet guess = by_rule(x, current);
     if (guess != current) found = try_without_jump(x, guess);
   }
-  if (!found && may_jump_) found = by_way(x, current);
   // Of one diode there is only one other mode.
   if (!found && system_.passive && system_.diodes == 1) found = from_neighbourhood(x, current, 1);
   return found ? found : from_rcp(x, current, jumped);

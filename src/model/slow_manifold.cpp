@@ -376,6 +376,7 @@ bool Splitter::separate_decays() {
   const Matrix lambda = result_.coordinates.bottomLeftCorner(count, n_) * (rate_of_whole() * result_.fast.rightCols(count));
   if (count == 1 && lambda(0, 0) < 0.0) {
     result_.slowest = result_.time_constants[fast_ - 1] = -1.0 / lambda(0, 0);
+    result_.are_sharp = true;
     return true;
   }
   const Eigen::EigenSolver<Matrix> solver(lambda);
@@ -391,6 +392,7 @@ bool Splitter::separate_decays() {
   if (!(lu.rcond() > tolerance::eigenvector)) return jumps;
   result_.time_constants.tail(count) = constants;
   result_.slowest = constants.maxCoeff();
+  result_.are_sharp = tolerance::unit_rounding * constants.maxCoeff() <= tolerance::sharp_decay * lu.rcond() * constants.minCoeff();
   result_.fast.rightCols(count) *= vectors;
   result_.coordinates.bottomRows(count) = lu.solve(result_.coordinates.bottomRows(count)).eval();
   return true;

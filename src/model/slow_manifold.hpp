@@ -36,6 +36,7 @@ struct SlowManifold {
   linalg::Matrix coordinates;        ///< ψ of x (r × size)
   linalg::Vector time_constants;     ///< of the decays, s (r); 0: that one is a jump
   double slowest = 0.0;              ///< of the time constants
+  bool are_sharp = false;            ///< they have their digits
   linalg::WideMatrix slow, of_rows;  ///< N, and the same of the transpose, W
   linalg::WideMatrix lift;           ///< L
   linalg::Wide shift = 0;            ///< σ, 1/s

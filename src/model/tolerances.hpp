@@ -125,6 +125,9 @@ inline constexpr long double manifold_converged = 1e-17L;
 /// Of: the norm of an eigenvector's terms.
 /// Why: a larger residual means that the vector is not one, and the mode is not split.
 inline constexpr double eigenvector = 1e-9;
+/// Of: the time constant of the slowest of several decays, for the rounding of the fastest one's rate in it.
+/// Why: e^{−τ/T} is then known to 10⁻⁹ to its end, far below what decides about a guard.
+inline constexpr double sharp_decay = 1e-9;
 /// Of: the rate of a row of V⁻¹(M V − V Λ).
 /// Why: rates are followed over up to 10^4 of their periods: six digits of a root are left.
 inline constexpr long double rate_error = 1e-10L;

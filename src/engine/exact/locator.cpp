@@ -149,13 +149,22 @@ double Locator::bound_at(const Segment& s, Bound& b, int row) {
   return std::min(value, by_decays);
 }
 
-/// First and second derivatives at the interval's start.
+/// y, A y and A² y at the interval's start.
+void Locator::differentiate_state(const Segment& s) {
+  linalg::copy(s.y.data(), s.mode->ny, derivatives_.data());
+  linalg::multiply_repeatedly(s.mode->flow.a(), 2, derivatives_.data());
+}
+
+/// The guards with their first and second derivatives at the interval's start.
 void Locator::derive(const Segment& s) {
   const Mode& m = *s.mode;
+  if (is_sharp(s)) {
+    for (std::size_t i = 0; i < s.rows.size(); ++i) g_[i] = linalg::row_times(m.guards, s.rows[i], s.y.data());
+    return derive_with_decays(s);
+  }
   const auto ny = static_cast<std::size_t>(m.ny);
-  double* d = derivatives_.data();
-  linalg::copy(s.y.data(), m.ny, d);
-  linalg::multiply_repeatedly(m.flow.a(), 2, d);
+  const double* d = derivatives_.data();
+  differentiate_state(s);
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     g_[i] = linalg::row_times(m.guards, s.rows[i], d);
     gd_[i] = linalg::row_times(m.guards, s.rows[i], d + ny);
@@ -311,12 +320,13 @@ bool Locator::march_by_bounds(Segment& s, double end, double shortest, Located& 
   double h = s.step > 0.0 && !s.is_enclosed ? std::min((s.decays.empty() ? 2.0 : growth_beside_decays) * s.step, rest) : rest;
   const bool sampled = has_to_sample(s, end);
   if (sampled) h = std::max(h, rest / sampled_intervals);
-  if (s.mode->flow.rate() * h > 1.0) h = std::ldexp(1.0, std::ilogb(h) + (h < rest ? 0 : 1));
+  if (!is_sharp(s) && s.mode->flow.rate() * h > 1.0) h = std::ldexp(1.0, std::ilogb(h) + (h < rest ? 0 : 1));
   for (bool decided = false; !decided;) {
     if (s.decays.empty())
       bound_second(s, h);
     else
       h = enclose_guards(s, h);
+    if (s.is_enclosed && is_sharp(s)) return decide_by_enclosures(s, h, end, located);
     if (try_interval(s, h, end, located, decided)) return true;
     if (decided) break;
     if (sampled) {

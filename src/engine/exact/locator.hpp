@@ -69,6 +69,9 @@ class Locator {
   };
 
   void prepare(Segment& segment);
+  /// It follows decays whose sums are known to their end.
+  [[nodiscard]] static bool is_sharp(const Segment& segment) { return !segment.decays.empty() && segment.mode->slow->decays->are_sharp; }
+  void differentiate_state(const Segment& segment);
   void derive(const Segment& segment);
   struct Bound {
     const double* derivative = nullptr;  ///< at the interval's start
@@ -86,6 +89,7 @@ class Locator {
   [[nodiscard]] double bound_at(const Segment& segment, Bound& bound, int row);
   void take_decays(Segment& segment);
   void derive_with_decays(const Segment& segment);
+  bool derive_sum(const Segment& segment, std::size_t i, double rate_noise);
   struct Line {
     double value = 0.0, slope = 0.0;
   };
@@ -93,17 +97,21 @@ class Locator {
   double root_by_values(const Segment& segment, std::size_t i, double lower, double upper, double below);
   void take_slow_state(const Segment& segment, const double* y);
   bool decays_hold(const Segment& segment, double h);
+  void bound_slow(const Segment& segment, int order, double h);
   void bound_decays(const Segment& segment, int order, double h);
   struct Enclosed {
     double until = 0.0;  ///< s from the interval's start: decided so far
     bool falls = false;  ///< it has one root before, and is negative there
     double from = 0.0;   ///< the root lies behind
   };
+  void take_parts(const Segment& segment, double h, int halvings);
   void split_at_decays(const Segment& segment, double h);
   [[nodiscard]] Verdict enclose(const Segment& segment, std::size_t i, std::size_t first, std::size_t last) const;
   [[nodiscard]] Enclosed enclose_in_parts(const Segment& segment, std::size_t i) const;
   void bound_slow_by_series(const Segment& segment, double h);
+  bool enclose_rest(const Segment& segment, double h);
   double enclose_guards(Segment& segment, double h);
+  bool decide_by_enclosures(Segment& segment, double h, double end, Located& located);
   [[nodiscard]] Verdict verdict_at_end(std::size_t i, double h) const;
   void bound_second(const Segment& segment, double h);
   void bound_bends(const Segment& segment, double h);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/zero_between.hpp"
 #include "engine/exact/locator.hpp"
@@ -42,11 +43,12 @@ void Locator::take_decays(Segment& s) {
   if (s.decays_fail || count == 0 || !(decays.time_constants.maxCoeff() > 0.0)) return;
   whole_state_.resize(static_cast<std::size_t>(s.system->size()));
   model::from_mode(*s.system, *s.mode, s.y0.data(), whole_state_.data());
-  const Eigen::Map<const model::Vector> x(whole_state_.data(), s.system->size());
   s.decays.resize(static_cast<std::size_t>(2 * count));
-  Eigen::Map<model::Vector>(s.decays.data(), count) = decays.coordinates * x;
-  Eigen::Map<model::Vector>(s.decays.data() + count, count) =
-      model::tolerance::state_rounding * (decays.coordinates.cwiseAbs() * x.cwiseAbs());
+  for (Eigen::Index k = 0; k < count; ++k) {
+    s.decays[static_cast<std::size_t>(k)] = linalg::row_times(decays.coordinates, k, whole_state_.data());
+    s.decays[static_cast<std::size_t>(count + k)] =
+        model::tolerance::state_rounding * linalg::absolute_row_times(decays.coordinates, k, whole_state_.data());
+  }
 }
 
 /// The slow motion's own coordinates of a state of the mode, in slow_state_: along the decays, which are not orthogonal to it.
@@ -70,37 +72,41 @@ void Locator::derive_with_decays(const Segment& s) {
   for (std::size_t k = 0; k < decay_left_.size(); ++k) decay_left_[k] = left_of(decays.time_constants[static_cast<Eigen::Index>(k)], s.tau);
   const double rate_noise = tolerance::unit_rounding * s.mode->norm_a * linalg::norm(s.y.data(), s.mode->ny);
   decays_agree_ = true;
-  for (std::size_t i = 0; i < s.rows.size(); ++i) {
-    const int row = s.rows[i];
-    guard_noise_[i] = noise_of(s, row);
-    slow_g_[i] = linalg::row_times(slow.guards, row, slow_state_.data());
-    slow_gd_[i] = linalg::row_times(slow.guards, row, slow_slope_.data());
-    const double slow_size = linalg::absolute_row_times(slow.guards, row, slow_slope_.data());
-    slow_doubt_[i] = tolerance::graze * slow_size;
-    slope_doubt_[i] = 0.0;
-    double value = slow_g_[i], size = linalg::absolute_row_times(slow.guards, row, slow_state_.data()) + std::abs(g_[i]);
-    double slope = slow_gd_[i], slope_size = slow_size, doubt = 0.0, doubt_of_slope = 0.0;
-    g2_[i] = slow_g2_[i] = linalg::row_times(slow.guards, row, slow_bend_.data());
-    for (std::size_t k = 0; k < decay_left_.size(); ++k) {
-      const auto column = static_cast<Eigen::Index>(k);
-      const double constant = decays.time_constants[column];
-      if (constant == 0.0) continue;
-      const double left = s.decays[k] * decay_left_[k], term = decays.guards(row, column) * left;
-      value += term;
-      size += std::abs(term);
-      slope -= term / constant;
-      slope_size += std::abs(term) / constant;
-      g2_[i] += term / (constant * constant);
-      slope_doubt_[i] += decays.guard_doubt(row, column) * std::abs(left) / constant;
-      const double of_term = doubt_of(decays, row, k, s.decays) * decay_left_[k];
-      doubt += of_term;
-      doubt_of_slope += of_term / constant;
-    }
-    decays_agree_ =
-        decays_agree_ && std::abs(value - g_[i]) <= tolerance::decay_mismatch * size + guard_noise_[i] + doubt &&
-        std::abs(slope - gd_[i]) <= tolerance::decay_mismatch * slope_size + rate_noise * s.mode->guard_norm[row] + doubt_of_slope;
-    gd_[i] = slope;
+  for (std::size_t i = 0; i < s.rows.size(); ++i) decays_agree_ = derive_sum(s, i, rate_noise) && decays_agree_;
+}
+
+/// Guard i with its derivatives as sums, and what rounding may make of them. False where they are not what the state itself says.
+bool Locator::derive_sum(const Segment& s, std::size_t i, double rate_noise) {
+  const Mode& slow = *s.mode->slow;
+  const model::Decays& decays = *slow.decays;
+  const int row = s.rows[i];
+  guard_noise_[i] = noise_of(s, row);
+  slow_g_[i] = linalg::row_times(slow.guards, row, slow_state_.data());
+  slow_gd_[i] = linalg::row_times(slow.guards, row, slow_slope_.data());
+  const double slow_size = linalg::absolute_row_times(slow.guards, row, slow_slope_.data());
+  slow_doubt_[i] = tolerance::graze * slow_size;
+  slope_doubt_[i] = 0.0;
+  double value = slow_g_[i], size = linalg::absolute_row_times(slow.guards, row, slow_state_.data()) + std::abs(g_[i]);
+  double slope = slow_gd_[i], slope_size = slow_size, doubt = 0.0, doubt_of_slope = 0.0;
+  g2_[i] = slow_g2_[i] = linalg::row_times(slow.guards, row, slow_bend_.data());
+  for (std::size_t k = 0; k < decay_left_.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    const double constant = decays.time_constants[column];
+    if (constant == 0.0) continue;
+    const double left = s.decays[k] * decay_left_[k], term = decays.guards(row, column) * left;
+    value += term;
+    size += std::abs(term);
+    slope -= term / constant;
+    slope_size += std::abs(term) / constant;
+    g2_[i] += term / (constant * constant);
+    slope_doubt_[i] += decays.guard_doubt(row, column) * std::abs(left) / constant;
+    const double of_term = doubt_of(decays, row, k, s.decays) * decay_left_[k];
+    doubt += of_term;
+    doubt_of_slope += of_term / constant;
   }
+  const double slope_error = std::abs(slope - std::exchange(gd_[i], slope));
+  if (!(std::abs(value - g_[i]) <= tolerance::decay_mismatch * size + guard_noise_[i] + doubt)) return false;
+  return decays.are_sharp || slope_error <= tolerance::decay_mismatch * slope_size + rate_noise * s.mode->guard_norm[row] + doubt_of_slope;
 }
 
 /// Whether the guards at the interval's end, which is in ye_ and ge_, are those sums, and the slow motion's part what it was bound to be: eigenvectors of decays that are nearly parallel can be far off.
@@ -166,8 +172,8 @@ double Locator::root_by_values(const Segment& s, std::size_t i, double lower, do
   return zero_between(lower, upper, tolerance::unit_rounding, most_values, value_at);
 }
 
-/// Of the second derivative or a later one, from what `derive_with_decays` left.
-void Locator::bound_decays(const Segment& s, int order, double h) {
+/// Of the slow motion's second derivative or a later one, from what `derive_with_decays` left.
+void Locator::bound_slow(const Segment& s, int order, double h) {
   const Mode& slow = *s.mode->slow;
   const std::vector<double>* derivative = &slow_bend_;
   for (int j = 2; j < order; ++j) {
@@ -176,6 +182,12 @@ void Locator::bound_decays(const Segment& s, int order, double h) {
     derivative = &slow_state_;
   }
   slow_bound_ = bound_in(slow, *s.system->exosystem, order, derivative->data(), s.y.data() + s.mode->n1, h);
+}
+
+/// The same of the slow motion and of each decay.
+void Locator::bound_decays(const Segment& s, int order, double h) {
+  const Mode& slow = *s.mode->slow;
+  bound_slow(s, order, h);
   decay_bound_.resize(decay_left_.size());
   for (std::size_t k = 0; k < decay_left_.size(); ++k) {
     const double constant = slow.decays->time_constants[static_cast<Eigen::Index>(k)];
@@ -184,20 +196,25 @@ void Locator::bound_decays(const Segment& s, int order, double h) {
   }
 }
 
-/// What is left of each decay at the ends of the interval's parts: [0, h/2^n], …, [h/4, h/2], [h/2, h], the first as short as the fastest decay that is not over.
-void Locator::split_at_decays(const Segment& s, double h) {
+/// Ends of the interval's parts, and what is left of each decay there.
+void Locator::take_parts(const Segment& s, double h, int halvings) {
   const model::Vector& constants = s.mode->slow->decays->time_constants;
-  double shortest = h;
-  for (std::size_t k = 0; k < decay_left_.size(); ++k)
-    if (const double constant = constants[static_cast<Eigen::Index>(k)]; constant > 0.0 && decay_left_[k] > tolerance::unit_rounding)
-      shortest = std::min(shortest, constant);
-  const int halvings = std::min(1 + std::max(0, std::ilogb(h / shortest)), most_halvings);
   parts_.assign(1, 0.0);
   for (int j = halvings; j >= 0; --j) parts_.push_back(std::ldexp(h, -j));
   part_left_.resize(parts_.size() * decay_left_.size());
   for (std::size_t j = 0; j < parts_.size(); ++j)
     for (std::size_t k = 0; k < decay_left_.size(); ++k)
       part_left_[j * decay_left_.size() + k] = left_of(constants[static_cast<Eigen::Index>(k)], s.tau + parts_[j]);
+}
+
+/// Parts [0, h/2^n], …, [h/4, h/2], [h/2, h], the first as short as the fastest decay that is not over.
+void Locator::split_at_decays(const Segment& s, double h) {
+  const model::Vector& constants = s.mode->slow->decays->time_constants;
+  double shortest = h;
+  for (std::size_t k = 0; k < decay_left_.size(); ++k)
+    if (const double constant = constants[static_cast<Eigen::Index>(k)]; constant > 0.0 && decay_left_[k] > tolerance::unit_rounding)
+      shortest = std::min(shortest, constant);
+  take_parts(s, h, std::min(1 + std::max(0, std::ilogb(h / shortest)), most_halvings));
 }
 
 /// Guard i, above zero at the part's start, on parts `first` … `last` − 1 of the interval: itself, or its slope, from the slow motion's bounds and each decay
@@ -266,24 +283,29 @@ void Locator::bound_slow_by_series(const Segment& s, double h) {
   }
 }
 
+/// The guards that are not enclosed on all of the interval yet; true if they are then.
+bool Locator::enclose_rest(const Segment& s, double h) {
+  bool all = true;
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    if (enclosed_[i].until < h && !enclosed_[i].falls) enclosed_[i] = enclose_in_parts(s, i);
+    all = all && (enclosed_[i].until == h || enclosed_[i].falls);
+  }
+  return all;
+}
+
 /// Each guard in `enclosed_`, as far as the interval of length h, and then no farther than the result. Guards at rest, and those of which nothing is known from
 /// their sums, count for nothing.
 double Locator::enclose_guards(Segment& s, double h) {
-  bound_decays(s, 2, h);
-  split_at_decays(s, h);
+  bound_slow(s, 2, h);
   enclosed_.assign(s.rows.size(), {});
   for (std::size_t i = 0; i < s.rows.size(); ++i) slow_k2_[i] = bound_in_at(*s.mode->slow, slow_bound_, s.rows[i]);
-  const auto enclose_rest = [&] {
-    bool all = true;
-    for (std::size_t i = 0; i < s.rows.size(); ++i) {
-      if (enclosed_[i].until < h && !enclosed_[i].falls) enclosed_[i] = enclose_in_parts(s, i);
-      all = all && (enclosed_[i].until == h || enclosed_[i].falls);
+  take_parts(s, h, 0);
+  if (!enclose_rest(s, h)) {
+    split_at_decays(s, h);
+    if (!enclose_rest(s, h)) {
+      bound_slow_by_series(s, h);
+      enclose_rest(s, h);
     }
-    return all;
-  };
-  if (!enclose_rest()) {
-    bound_slow_by_series(s, h);
-    enclose_rest();
   }
   double length = h;
   s.is_enclosed = true;
@@ -293,8 +315,40 @@ double Locator::enclose_guards(Segment& s, double h) {
     else
       s.is_enclosed = false;
   }
-  if (!s.is_enclosed) bound_second(s, length);
+  if (s.is_enclosed) return length;
+  if (is_sharp(s)) differentiate_state(s);
+  bound_second(s, length);
   return length;
+}
+
+/// Decides an interval of length h whose guards are all enclosed, without the state at its end. True when an event was found before `end`.
+bool Locator::decide_by_enclosures(Segment& s, double h, double end, Located& located) {
+  ++intervals_;
+  ++s.intervals;
+  double first = INFINITY;
+  std::size_t first_index = 0;
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    const Enclosed& enclosed = enclosed_[i];
+    if (!enclosed.falls || enclosed.from >= std::min(h, first)) continue;
+    // Still positive at the earliest root so far: its only root lies behind that.
+    if (first < INFINITY && linalg::row_times(s.mode->guards, s.rows[i], event_.data()) > 0.0) continue;
+    const double at = root_by_values(s, i, enclosed.from, std::min(enclosed.until, first), 0.0);
+    if (at > h || at >= first) continue;
+    first = at;
+    first_index = i;
+    linalg::copy(at_.data(), s.mode->ny, event_.data());
+  }
+  if (first < INFINITY) {
+    end_at_event(s, first_index, s.tau + first, end, located);
+    return true;
+  }
+  if (s.tau + h < end) {
+    state_at(s, h, ye_.data());
+    accept(s, h, end);
+  } else {
+    s.certified = end;
+  }
+  return false;
 }
 
 /// Of a guard that is enclosed, on the whole interval of length h.
