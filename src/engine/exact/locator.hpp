@@ -104,10 +104,11 @@ class Locator {
     bool falls = false;  ///< it has one root before, and is negative there
     double from = 0.0;   ///< the root lies behind
   };
-  void take_parts(const Segment& segment, double h, int halvings);
+  void take_parts(double h, int halvings);
+  const double* left_at(const Segment& segment, std::size_t part);
   void split_at_decays(const Segment& segment, double h);
-  [[nodiscard]] Verdict enclose(const Segment& segment, std::size_t i, std::size_t first, std::size_t last) const;
-  [[nodiscard]] Enclosed enclose_in_parts(const Segment& segment, std::size_t i) const;
+  [[nodiscard]] Verdict enclose(const Segment& segment, std::size_t i, std::size_t first, std::size_t last);
+  [[nodiscard]] Enclosed enclose_in_parts(const Segment& segment, std::size_t i);
   void bound_slow_by_series(const Segment& segment, double h);
   bool enclose_rest(const Segment& segment, double h);
   double enclose_guards(Segment& segment, double h);
@@ -196,7 +197,7 @@ class Locator {
   std::vector<double> end_left_;     ///< the same at the interval's end
   std::vector<double> slow_series_;  ///< derivatives of the slow motion at the interval's start, from the second on
   std::vector<double> parts_;        ///< ends of the interval's parts, s from its start
-  std::vector<double> part_left_;    ///< e^{−τ/T_k} at each of them
+  std::vector<double> part_left_;    ///< e^{−τ/T_k} at each of them that was asked for
   std::vector<Enclosed> enclosed_;   ///< each guard
   std::vector<double> guard_noise_;  ///< rounding of each guard
   std::vector<double> whole_state_, slow_state_;

@@ -22,6 +22,7 @@ namespace {
 constexpr int most_values = 200;  ///< of a guard in the search for its root
 constexpr int slow_series_order = 4;
 constexpr int most_newton = 6;
+constexpr double unknown = -1.0;   ///< of what is left of a decay
 constexpr int most_halvings = 40;  ///< of an interval, to the length of its fastest decay
 
 /// e^{−τ/T}; what has no time constant is over at once.
@@ -196,15 +197,20 @@ void Locator::bound_decays(const Segment& s, int order, double h) {
   }
 }
 
-/// Ends of the interval's parts, and what is left of each decay there.
-void Locator::take_parts(const Segment& s, double h, int halvings) {
-  const model::Vector& constants = s.mode->slow->decays->time_constants;
+/// Ends of the interval's parts.
+void Locator::take_parts(double h, int halvings) {
   parts_.assign(1, 0.0);
   for (int j = halvings; j >= 0; --j) parts_.push_back(std::ldexp(h, -j));
-  part_left_.resize(parts_.size() * decay_left_.size());
-  for (std::size_t j = 0; j < parts_.size(); ++j)
-    for (std::size_t k = 0; k < decay_left_.size(); ++k)
-      part_left_[j * decay_left_.size() + k] = left_of(constants[static_cast<Eigen::Index>(k)], s.tau + parts_[j]);
+  part_left_.assign(parts_.size() * decay_left_.size(), unknown);
+}
+
+/// What is left of each decay at the end of a part, found where it is first asked for.
+const double* Locator::left_at(const Segment& s, std::size_t part) {
+  double* left = part_left_.data() + part * decay_left_.size();
+  const model::Vector& constants = s.mode->slow->decays->time_constants;
+  if (*left == unknown)
+    for (Eigen::Index k = 0; k < constants.size(); ++k) left[k] = left_of(constants[k], s.tau + parts_[part]);
+  return left;
 }
 
 /// Parts [0, h/2^n], …, [h/4, h/2], [h/2, h], the first as short as the fastest decay that is not over.
@@ -214,26 +220,26 @@ void Locator::split_at_decays(const Segment& s, double h) {
   for (std::size_t k = 0; k < decay_left_.size(); ++k)
     if (const double constant = constants[static_cast<Eigen::Index>(k)]; constant > 0.0 && decay_left_[k] > tolerance::unit_rounding)
       shortest = std::min(shortest, constant);
-  take_parts(s, h, std::min(1 + std::max(0, std::ilogb(h / shortest)), most_halvings));
+  take_parts(h, std::min(1 + std::max(0, std::ilogb(h / shortest)), most_halvings));
 }
 
 /// Guard i, above zero at the part's start, on parts `first` … `last` − 1 of the interval: itself, or its slope, from the slow motion's bounds and each decay
 /// between its values at both ends.
-Locator::Verdict Locator::enclose(const Segment& s, std::size_t i, std::size_t first, std::size_t last) const {
+Locator::Verdict Locator::enclose(const Segment& s, std::size_t i, std::size_t first, std::size_t last) {
   const model::Decays& decays = *s.mode->slow->decays;
   const double begin = parts_[first], end = parts_[last];
   const double bend = 0.5 * slow_k2_[i] * end * end, slope_bend = slow_doubt_[i] + slow_k2_[i] * end;
   double least = slow_g_[i] + std::min(slow_gd_[i] * begin, slow_gd_[i] * end) - bend;
   double most_at_end = slow_g_[i] + slow_gd_[i] * end + bend;
   double lowest_slope = slow_gd_[i] - slope_bend, highest_slope = slow_gd_[i] + slope_bend;
-  const std::size_t count = decay_left_.size();
-  for (std::size_t k = 0; k < count; ++k) {
+  const double *left_first = left_at(s, first), *left_last = left_at(s, last);
+  for (std::size_t k = 0; k < decay_left_.size(); ++k) {
     const auto column = static_cast<Eigen::Index>(k);
     const double constant = decays.time_constants[column];
     if (constant == 0.0) continue;
     const double weight = decays.guards(s.rows[i], column) * s.decays[k];
-    const double now = weight * part_left_[first * count + k], then = weight * part_left_[last * count + k];
-    const double doubt = doubt_of(decays, s.rows[i], k, s.decays) * part_left_[first * count + k];
+    const double now = weight * left_first[k], then = weight * left_last[k];
+    const double doubt = doubt_of(decays, s.rows[i], k, s.decays) * left_first[k];
     least += std::min(now, then) - doubt;
     most_at_end += then + doubt;
     lowest_slope += (std::min(-now, -then) - doubt) / constant;
@@ -247,7 +253,7 @@ Locator::Verdict Locator::enclose(const Segment& s, std::size_t i, std::size_t f
 }
 
 /// The same part by part, from the interval's start as far as it can be decided.
-Locator::Enclosed Locator::enclose_in_parts(const Segment& s, std::size_t i) const {
+Locator::Enclosed Locator::enclose_in_parts(const Segment& s, std::size_t i) {
   const std::size_t last = parts_.size() - 1;
   const bool starts_above = g_[i] > 0.0 || (s.tau == 0.0 && s.departures[i].order > 0 && s.departures[i].value > 0.0);
   if (!starts_above) return {};
@@ -299,7 +305,7 @@ double Locator::enclose_guards(Segment& s, double h) {
   bound_slow(s, 2, h);
   enclosed_.assign(s.rows.size(), {});
   for (std::size_t i = 0; i < s.rows.size(); ++i) slow_k2_[i] = bound_in_at(*s.mode->slow, slow_bound_, s.rows[i]);
-  take_parts(s, h, 0);
+  take_parts(h, 0);
   if (!enclose_rest(s, h)) {
     split_at_decays(s, h);
     if (!enclose_rest(s, h)) {
