@@ -21,7 +21,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double first_tolerance = 1e-4, last_tolerance = 1e-9, refinement = 0.1;
-constexpr double beside_event = 1e-3;   ///< of a row step: how far from a row its neighbours are looked at
+/// Of a row step: how far from a row its neighbours are looked at, the near ones first. Between a decay that one engine follows and the other takes for a jump and the far ones a signal moves on.
+constexpr std::array beside_event{1e-6, 1e-3};
 constexpr double safety = 2.0;          ///< of estimated errors
 constexpr double rounding = 1e-9;       ///< of a signal's, or its unit's, largest value
 constexpr double target = 1e-5;         ///< an agreement within such an error is not refined further
@@ -98,13 +99,14 @@ class Checker {
   const KeptRows& rows_;
   const CheckSettings& settings_;
   const Clock::time_point start_ = Clock::now();
-  std::vector<double> times_;                     ///< of the samples
-  std::vector<std::array<std::size_t, 3>> near_;  ///< of a row: samples before, at and after it
-  double window_ = 0.0;                           ///< s
-  std::vector<double> scale_, noise_;             ///< of each signal; noise relative to its scale
-  std::optional<Level> level_;                    ///< the finest
-  std::vector<std::vector<double>> changes_;      ///< of each signal, from level to level, relative
-  std::vector<bool> apart_;                       ///< at the finest level
+  std::vector<double> times_;                   ///< of the samples
+  std::vector<std::size_t> at_;                 ///< of a row: its sample
+  std::vector<std::vector<std::size_t>> near_;  ///< of a row: samples beside it
+  double window_ = 0.0;                         ///< s
+  std::vector<double> scale_, noise_;           ///< of each signal; noise relative to its scale
+  std::optional<Level> level_;                  ///< the finest
+  std::vector<std::vector<double>> changes_;    ///< of each signal, from level to level, relative
+  std::vector<bool> apart_;                     ///< at the finest level
   Check check_;
 };
 
@@ -113,15 +115,19 @@ void Checker::place_samples() {
   const double stop = compiled_.analyses.transient->stop.seconds;
   double step = stop;
   for (std::size_t row = 1; row < count; ++row) step = std::min(step, rows_.time(row) - rows_.time(row - 1));
-  window_ = beside_event * step;
+  window_ = beside_event.back() * step;
   const auto add = [&](double time) {
     if (times_.empty() || time > times_.back()) times_.push_back(time);
     return times_.size() - 1;
   };
   for (std::size_t row = 0; row < count; ++row) {
     const double time = rows_.time(row);
-    const std::size_t before = add(std::max(0.0, time - window_)), at = add(time);
-    near_.push_back({before, at, add(std::min(stop, time + window_))});
+    std::vector<std::size_t> near;
+    for (auto share = beside_event.rbegin(); share != beside_event.rend(); ++share)
+      near.push_back(add(std::max(0.0, time - *share * step)));
+    at_.push_back(add(time));
+    for (const double share : beside_event) near.push_back(add(std::min(stop, time + share * step)));
+    near_.push_back(std::move(near));
   }
 }
 
@@ -179,7 +185,7 @@ bool Checker::simulate(EngineChoice choice, double reltol) {
 void Checker::take(Level level) {
   for (std::size_t signal = 0; signal < rows_.signals() && level_; ++signal) {
     const std::vector<double>& values = level.run.columns[signal];
-    changes_[signal].push_back(largest_distance(*level_, signal, [&](std::size_t row) { return values[near_[row][1]]; }).size);
+    changes_[signal].push_back(largest_distance(*level_, signal, [&](std::size_t row) { return values[at_[row]]; }).size);
   }
   level_ = std::move(level);
 }
@@ -195,11 +201,12 @@ Distance Checker::largest_distance(const Level& level, std::size_t signal, const
   const std::vector<double>& values = level.run.columns[signal];
   for (std::size_t row = 0; row < rows_.rows(); ++row) {
     const double here = value(row);
-    double low = values[near_[row][1]], high = low;
-    if (here != low && is_beside_event(level, row)) {
-      low = std::min({low, values[near_[row][0]], values[near_[row][2]]});
-      high = std::max({high, values[near_[row][0]], values[near_[row][2]]});
-    }
+    double low = values[at_[row]], high = low;
+    if (here != low && is_beside_event(level, row))
+      for (const std::size_t sample : near_[row]) {
+        low = std::min(low, values[sample]);
+        high = std::max(high, values[sample]);
+      }
     const double distance = std::max(low - here, here - high) / scale_[signal];
     if (distance > largest.size) largest = {distance, rows_.time(row)};
   }
