@@ -25,10 +25,10 @@ ExtremeFinder::ExtremeFinder(const Measurement& measurement, const measure::Plac
 
 void ExtremeFinder::take(measure::PieceView& view, const std::vector<double>& results) {
   const double from = std::max(view.piece().from, from_), to = std::min(view.piece().to, to_);
-  if (from < to) (void)view.resolve(program_, results, from, to, size_, [&](const measure::Part& part) { take(part); });
+  if (from < to) (void)view.resolve(program_, results, from, to, size_, [&](const measure::PolynomialPart& part) { take(part); });
 }
 
-void ExtremeFinder::take(const measure::Part& part) {
+void ExtremeFinder::take(const measure::PolynomialPart& part) {
   for (const double value : part.values) size_ = std::max(size_, std::abs(value));
   const double mean = part.series.mean(), reach = part.series.variation(), near = equal_values * size_;
   const auto may_hold = [&](const Best& best) { return best.places.empty() || best.sign * mean + reach >= best.best - near; };

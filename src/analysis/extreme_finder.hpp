@@ -39,7 +39,7 @@ class ExtremeFinder {
     double best = 0.0;
   };
   void add(Best& best, double time, double value) const;
-  void take(const measure::Part& part);
+  void take(const measure::PolynomialPart& part);
 
   measure::Program program_;
   double from_, to_;

@@ -36,13 +36,13 @@ std::string subject_of(const SourceSpan& span, const SourceStore& sources) {
   return std::string(text.substr(0, text.find('\n')));
 }
 
-std::size_t count_of(std::span<const Departure> list, std::string_view kind) {
-  return static_cast<std::size_t>(std::count_if(list.begin(), list.end(), [&](const Departure& d) { return d.kind == kind; }));
+std::size_t count_of(std::span<const Idealisation> list, std::string_view kind) {
+  return static_cast<std::size_t>(std::count_if(list.begin(), list.end(), [&](const Idealisation& d) { return d.kind == kind; }));
 }
 
-std::size_t widest(std::span<const Departure> list, std::string Departure::*column) {
+std::size_t widest(std::span<const Idealisation> list, std::string Idealisation::*column) {
   std::size_t width = 0;
-  for (const Departure& departure : list) width = std::max(width, (departure.*column).size());
+  for (const Idealisation& departure : list) width = std::max(width, (departure.*column).size());
   return width;
 }
 
@@ -53,8 +53,8 @@ std::string_view departure_kind(std::string_view id) {
   return found == std::end(told) ? std::string_view{} : found->kind;
 }
 
-std::vector<Departure> departures(const Diagnostics& diagnostics, const SourceStore& sources) {
-  std::vector<Departure> list;
+std::vector<Idealisation> departures(const Diagnostics& diagnostics, const SourceStore& sources) {
+  std::vector<Idealisation> list;
   for (const Diagnostic& diagnostic : diagnostics.all()) {
     const std::string_view kind = departure_kind(diagnostic.id);
     if (kind.empty()) continue;
@@ -69,7 +69,7 @@ std::vector<Departure> departures(const Diagnostics& diagnostics, const SourceSt
   return list;
 }
 
-std::string departures_line(std::span<const Departure> list) {
+std::string departures_line(std::span<const Idealisation> list) {
   std::string counts;
   for (std::string_view kind : {replaced, ignored, read_otherwise}) {
     const std::size_t count = count_of(list, kind);
@@ -78,18 +78,18 @@ std::string departures_line(std::span<const Departure> list) {
   return counts.empty() ? "" : fmt::format("not as written: {} (--verbose lists them)\n", counts);
 }
 
-std::string departures_table(std::span<const Departure> list) {
+std::string departures_table(std::span<const Idealisation> list) {
   if (list.empty()) return "";
-  const std::size_t places = widest(list, &Departure::place), subjects = widest(list, &Departure::subject);
+  const std::size_t places = widest(list, &Idealisation::place), subjects = widest(list, &Idealisation::subject);
   std::string text = "not as written:\n";
-  for (const Departure& d : list)
+  for (const Idealisation& d : list)
     text += fmt::format("  {:<14}  {:<{}}  {:<{}}  {}\n", d.kind, d.place, places, d.subject, subjects, d.text);
   return text;
 }
 
-std::string departures_json(std::span<const Departure> list) {
+std::string departures_json(std::span<const Idealisation> list) {
   std::vector<std::string> members;
-  for (const Departure& d : list)
+  for (const Idealisation& d : list)
     members.push_back(json_line({{"kind", json_string(d.kind)},
                                  {"subject", json_string(d.subject)},
                                  {"place", json_string(d.place)},

@@ -209,7 +209,7 @@ void MeasuredFunctionals::add_integral(const Measurement& measurement, const mea
       continue;
     }
     view.set(piece_of(kept));
-    const bool resolved = view.resolve(program, run_.record.values, from, to, size, [&](const measure::Part& part) {
+    const bool resolved = view.resolve(program, run_.record.values, from, to, size, [&](const measure::PolynomialPart& part) {
       for (const double value : part.values) size = std::max(size, std::abs(value));
       add_inside(gradient, affine, k, part.from, part.to, squares, scale, sum);
     });

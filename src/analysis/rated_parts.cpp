@@ -33,7 +33,7 @@ void RatedParts::happened(const engine::Event& event, std::span<const char> on) 
 }
 
 void RatedParts::count(double until, std::span<const char> on) {
-  for (Part& part : parts_) {
+  for (RatedPart& part : parts_) {
     if (part.on) part.seconds += until - time_;
     part.on = part.port < on.size() && on[part.port] != 0;
   }
@@ -43,7 +43,7 @@ void RatedParts::count(double until, std::span<const char> on) {
 std::optional<engine::Remark> RatedParts::remark(double end) {
   count(end, {});
   ShortList list(most_parts);
-  for (const Part& part : parts_) {
+  for (const RatedPart& part : parts_) {
     if (part.seconds > worth_a_word * end) list.add(fmt::format("{} for {:.2g} % of the run", part.name, 100.0 * part.seconds / end));
   }
   if (list.empty()) return std::nullopt;

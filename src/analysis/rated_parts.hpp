@@ -23,7 +23,7 @@ class RatedParts : public engine::EventWatcher {
   [[nodiscard]] std::optional<engine::Remark> remark(double end);
 
  private:
-  struct Part {
+  struct RatedPart {
     std::size_t port = 0;  ///< of the engine
     std::string name;
     bool on = false;
@@ -33,7 +33,7 @@ class RatedParts : public engine::EventWatcher {
 
   const std::vector<std::string>& ports_;
   engine::EventWatcher* next_;
-  std::vector<Part> parts_;
+  std::vector<RatedPart> parts_;
   double time_ = 0.0;
 };
 

@@ -30,7 +30,7 @@ struct RunReport {
   Seconds seconds;
   std::vector<engine::Jump> jumps;
   std::vector<std::string> notes;  ///< the messages of the run, "warning[W-…]: …"
-  std::vector<Departure> departures;
+  std::vector<Idealisation> departures;
 };
 
 /// One JSON object with the keys of docs/reference/output.md, ended by a line feed. Values that are not finite are null.

@@ -9,8 +9,8 @@
 namespace pwlsim::analysis {
 namespace {
 
+using engine::sparse::DescriptorPort;
 using engine::sparse::PeriodMap;
-using engine::sparse::Port;
 using engine::sparse::Position;
 using engine::sparse::SegmentRecord;
 
@@ -20,9 +20,9 @@ class SegmentPositions {
   explicit SegmentPositions(const circuit::HiddenParts& hidden) : hidden_(hidden) {}
 
   /// What changes, in words.
-  void take(const std::vector<Port>& ports, const Position& on, std::vector<std::string>& events) {
+  void take(const std::vector<DescriptorPort>& ports, const Position& on, std::vector<std::string>& events) {
     for (std::size_t i = 0; i < ports.size(); ++i) {
-      const Port& port = ports[i];
+      const DescriptorPort& port = ports[i];
       if (hidden_.hold(port.name)) continue;
       auto& list = port.is_switch ? closed_ : conducting_;
       const auto [known, is_new] = list.try_emplace(port.name, on[i] != 0);
@@ -67,7 +67,7 @@ std::vector<OrbitMode> orbit_modes(const PeriodMap& map, const circuit::HiddenPa
   for (std::size_t part = 0; part < map.records().size(); ++part)
     for (const SegmentRecord& record : map.records()[part]) places.push_back({part, &record});
   std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.record->begin < b.record->begin; });
-  const auto ports = [&](std::size_t part) -> const std::vector<Port>& { return map.model().parts[part]->descriptor.ports(); };
+  const auto ports = [&](std::size_t part) -> const std::vector<DescriptorPort>& { return map.model().parts[part]->descriptor.ports(); };
 
   std::vector<OrbitMode> modes;
   SegmentPositions positions(hidden);

@@ -21,17 +21,17 @@ std::string named(const std::string& signal, char part) {
 
 double degrees(Complex value) { return std::arg(value) * 180.0 / std::numbers::pi; }
 
-double part_of(Complex value, Column::Part part) {
+double part_of(Complex value, Column::ComplexPart part) {
   switch (part) {
-    case Column::Part::magnitude:
+    case Column::ComplexPart::magnitude:
       return std::abs(value);
-    case Column::Part::phase:
+    case Column::ComplexPart::phase:
       return degrees(value);
-    case Column::Part::real:
+    case Column::ComplexPart::real:
       return value.real();
-    case Column::Part::imaginary:
+    case Column::ComplexPart::imaginary:
       return value.imag();
-    case Column::Part::decibels:
+    case Column::ComplexPart::decibels:
       break;
   }
   return 20.0 * std::log10(std::abs(value));
@@ -44,8 +44,8 @@ std::vector<SelectedColumn> select_columns(const circuit::Compiled& compiled, co
     selected.push_back(
         {column.name, static_cast<std::size_t>(compiled.measurements.probe_signals[static_cast<std::size_t>(column.probe)]), column.part});
   for (std::size_t k = 0; k < signals.size() && card.columns.empty(); ++k) {
-    selected.push_back({named(signals[k], 'm'), k, Column::Part::magnitude});
-    selected.push_back({named(signals[k], 'p'), k, Column::Part::phase});
+    selected.push_back({named(signals[k], 'm'), k, Column::ComplexPart::magnitude});
+    selected.push_back({named(signals[k], 'p'), k, Column::ComplexPart::phase});
   }
   return selected;
 }

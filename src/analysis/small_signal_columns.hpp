@@ -12,12 +12,12 @@ namespace pwlsim::analysis {
 
 [[nodiscard]] double degrees(std::complex<double> value);
 /// Of a response.
-[[nodiscard]] double part_of(std::complex<double> value, circuit::SmallSignalAnalysis::Column::Part part);
+[[nodiscard]] double part_of(std::complex<double> value, circuit::SmallSignalAnalysis::Column::ComplexPart part);
 
 struct SelectedColumn {
   std::string name;
   std::size_t signal = 0;
-  circuit::SmallSignalAnalysis::Column::Part part = circuit::SmallSignalAnalysis::Column::Part::magnitude;
+  circuit::SmallSignalAnalysis::Column::ComplexPart part = circuit::SmallSignalAnalysis::Column::ComplexPart::magnitude;
 };
 /// Those of .print ac, else magnitude and phase of all that are saved. `signals`: the names of these.
 [[nodiscard]] std::vector<SelectedColumn> select_columns(const circuit::Compiled& compiled, const std::vector<std::string>& signals);

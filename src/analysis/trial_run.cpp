@@ -39,7 +39,9 @@ class Keeper : public Listener {
     keep(Taken{piece, {piece.values.begin(), piece.values.end()}, {piece.noise.begin(), piece.noise.end()}},
          piece.values.size() + piece.noise.size());
   }
-  void impulse(double time, std::span<const double> values) override { keep(Impulse{time, {values.begin(), values.end()}}, values.size()); }
+  void impulse(double time, std::span<const double> values) override {
+    keep(TakenImpulse{time, {values.begin(), values.end()}}, values.size());
+  }
 
  private:
   struct Rows {
@@ -61,11 +63,11 @@ class Keeper : public Listener {
     engine::Piece piece;
     std::vector<double> values, noise;
   };
-  struct Impulse {
+  struct TakenImpulse {
     double time;
     std::vector<double> values;
   };
-  using Told = std::variant<Rows, Begin, Happened, BeforeStart, Taken, Impulse>;
+  using Told = std::variant<Rows, Begin, Happened, BeforeStart, Taken, TakenImpulse>;
 
   template <class What>
   void keep(What what, std::size_t numbers) {
@@ -85,7 +87,7 @@ class Keeper : public Listener {
     piece.noise = taken.noise;
     pieces_->take(piece);
   }
-  void tell(const Impulse& impulse) { pieces_->impulse(impulse.time, impulse.values); }
+  void tell(const TakenImpulse& impulse) { pieces_->impulse(impulse.time, impulse.values); }
 
   std::vector<Told> told_;
   std::size_t size_ = 0;  ///< of what is kept, bytes

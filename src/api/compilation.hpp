@@ -42,7 +42,7 @@ class Compilation {
   [[nodiscard]] bool has_controllers() const { return !held_.empty(); }
   [[nodiscard]] circuit::Compiled take() { return std::move(*compiled_); }
   [[nodiscard]] std::vector<Message> messages() const;
-  [[nodiscard]] std::vector<analysis::Departure> departures() const { return analysis::departures(diagnostics_, sources_); }
+  [[nodiscard]] std::vector<analysis::Idealisation> departures() const { return analysis::departures(diagnostics_, sources_); }
 
   /// Finds the tangents of diodes too, which changes what is compiled.
   [[nodiscard]] analysis::PreparedEngine engine(const Options& options);

@@ -13,7 +13,7 @@ namespace pwlsim {
 struct KeptRun {
   std::shared_ptr<const circuit::Compiled> compiled;
   analysis::Simulate simulate;
-  std::vector<analysis::Departure> departures;
+  std::vector<analysis::Idealisation> departures;
   std::shared_ptr<const api::Controllers> controllers{};  ///< null: none
 };
 

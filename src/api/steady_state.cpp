@@ -63,7 +63,7 @@ struct FoundOrbit {
   std::shared_ptr<Result::Data> data;
   circuit::Compiled compiled;
   analysis::SteadyState state;
-  std::vector<analysis::Departure> departures;
+  std::vector<analysis::Idealisation> departures;
 };
 
 FoundOrbit find_orbit(Compilation& compilation, const Options& options) {

@@ -67,9 +67,9 @@ struct SmallSignalAnalysis {
   std::optional<double> sample;  ///< s: the sampled response at that time of the period
   /// `.print ac`: what part of a signal is a column.
   struct Column {
-    enum class Part { magnitude, phase, real, imaginary, decibels };
+    enum class ComplexPart { magnitude, phase, real, imaginary, decibels };
     std::string name;  ///< as written: "vdb(out)"
-    Part part = Part::magnitude;
+    ComplexPart part = ComplexPart::magnitude;
     int probe = 0;  ///< of FlatCircuit::probes
   };
   std::vector<Column> columns;  ///< none: magnitude and phase of every saved signal

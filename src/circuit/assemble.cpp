@@ -19,7 +19,7 @@
 namespace pwlsim::circuit {
 namespace {
 
-using elements::Control;
+using elements::ControlSyntax;
 using elements::Instance;
 
 /// "X1.X2." of "X1.X2.R1"
@@ -83,9 +83,9 @@ class Assembler {
   void check_control(const elements::Kind& kind, const elements::Reference& reference) {
     const Instance& other = circuit_.instances[static_cast<std::size_t>(reference.index)];
     if (other.kind == nullptr) return;
-    if (kind.control == Control::element_list && other.kind->letter != 'L') {
+    if (kind.control == ControlSyntax::element_list && other.kind->letter != 'L') {
       reporter_.error("E-coupling", reference.span, fmt::format("{} is a {}: only inductors can be coupled", other.name, other.kind->name));
-    } else if (kind.control != Control::element_list && !other.kind->controls_others) {
+    } else if (kind.control != ControlSyntax::element_list && !other.kind->controls_others) {
       reporter_.error(
           "E-no-current", reference.span,
           fmt::format("{} is a {}: its current cannot control another; try a 0 V source in series with it", other.name, other.kind->name));
@@ -146,12 +146,12 @@ class Assembler {
   static bool is_complete(const Instance& instance) {
     if (instance.raw_system != nullptr) return true;
     const elements::Kind& kind = *instance.kind;
-    const std::size_t controls = kind.control == Control::node_pair ? instance.control_nodes.size() : instance.references.size();
+    const std::size_t controls = kind.control == ControlSyntax::node_pair ? instance.control_nodes.size() : instance.references.size();
     const auto terminals = static_cast<std::size_t>(kind.terminals);
     if (instance.nodes.size() < terminals || instance.nodes.size() > terminals + static_cast<std::size_t>(kind.optional_terminals))
       return false;
     if (kind.tail == elements::Tail::formula || instance.formula) return instance.formula.has_value();
-    if (kind.control != Control::none && controls == 0) return false;
+    if (kind.control != ControlSyntax::none && controls == 0) return false;
     if (kind.tail == elements::Tail::block) return instance.model >= 0 && !instance.inputs.empty();
     if (kind.tail == elements::Tail::model) return instance.model >= 0;
     return kind.tail != elements::Tail::gain || instance.coefficients.size() == controls + 1;

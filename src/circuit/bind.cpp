@@ -22,7 +22,7 @@
 namespace pwlsim::circuit {
 namespace {
 
-using elements::Control;
+using elements::ControlSyntax;
 using elements::Instance;
 using elements::Parameter;
 using elements::Tail;
@@ -133,13 +133,13 @@ class CardBinding {
 
   bool control() {
     switch (kind_.control) {
-      case Control::none:
+      case ControlSyntax::none:
         return true;
-      case Control::node_pair:
+      case ControlSyntax::node_pair:
         return node_pair();
-      case Control::element:
+      case ControlSyntax::element:
         return reference();
-      case Control::element_list:
+      case ControlSyntax::element_list:
         break;
     }
     const bool value_by_name = cursor_.peek(cursor_.positional_left()) != nullptr;
@@ -355,7 +355,7 @@ class CardBinding {
     if (head != nullptr && head->kind != ItemKind::assignment) {
       x = cursor_.at(ItemKind::expression) ? cursor_.next() : nullptr;
       if (x == nullptr) return missing("E-missing-value", "an expression in braces after TABLE");
-    } else if (head != nullptr && kind_.control != Control::element && instance_.control_nodes.empty()) {
+    } else if (head != nullptr && kind_.control != ControlSyntax::element && instance_.control_nodes.empty()) {
       return missing("E-missing-node", "a pair of controlling nodes before table=");
     } else if (head == nullptr) {
       head = cursor_.next();
@@ -393,8 +393,8 @@ class CardBinding {
     for (std::size_t k = 0; k < count; ++k) {
       const Item* first = cursor_.peek();
       if (!control()) return false;
-      controls.push_back(kind_.control == Control::element ? make::current_through(*first)
-                                                           : make::voltage_between(*first, *cursor_.previous(), first->span));
+      controls.push_back(kind_.control == ControlSyntax::element ? make::current_through(*first)
+                                                                 : make::voltage_between(*first, *cursor_.previous(), first->span));
     }
     return coefficients(Polynomial(std::move(controls)), count);
   }

@@ -50,7 +50,7 @@ bool FormulaReader::read(const Expression& expression, bool is_current) {
 }
 
 bool FormulaReader::read_transfer(const Expression* input, const Expression& transfer, bool is_current) {
-  const std::optional<elements::Fraction> fraction = read_transfer_function(transfer, place_.scope, reporter(), instance_.name);
+  const std::optional<elements::RationalFunction> fraction = read_transfer_function(transfer, place_.scope, reporter(), instance_.name);
   const std::optional<Sum> driven = input != nullptr ? sum(*input, {place_.scope}) : control();
   return fraction && driven && keep(builder_.transfer(*driven, *fraction), is_current, transfer.span);
 }

@@ -65,7 +65,7 @@ class Writer {
   }
 
  private:
-  struct Part {
+  struct WeightedInput {
     std::string input;
     int weight = 1;
   };
@@ -96,9 +96,9 @@ class Writer {
   }
 
   /// Of the bits that are used.
-  [[nodiscard]] std::string sum(std::initializer_list<Part> parts) const {
+  [[nodiscard]] std::string sum(std::initializer_list<WeightedInput> parts) const {
     std::string text;
-    for (const Part& part : parts)
+    for (const WeightedInput& part : parts)
       if (device_.uses(part.input[0])) text += fmt::format("{:+}*v(_b{},com)", part.weight, part.input);
     return text;
   }

@@ -128,13 +128,13 @@ class SmallSignalReader {
 
 struct PartName {
   std::string_view letters;  ///< behind v or i
-  SmallSignalAnalysis::Column::Part part;
+  SmallSignalAnalysis::Column::ComplexPart part;
 };
-constexpr PartName part_names[] = {{"m", SmallSignalAnalysis::Column::Part::magnitude},
-                                   {"p", SmallSignalAnalysis::Column::Part::phase},
-                                   {"r", SmallSignalAnalysis::Column::Part::real},
-                                   {"i", SmallSignalAnalysis::Column::Part::imaginary},
-                                   {"db", SmallSignalAnalysis::Column::Part::decibels}};
+constexpr PartName part_names[] = {{"m", SmallSignalAnalysis::Column::ComplexPart::magnitude},
+                                   {"p", SmallSignalAnalysis::Column::ComplexPart::phase},
+                                   {"r", SmallSignalAnalysis::Column::ComplexPart::real},
+                                   {"i", SmallSignalAnalysis::Column::ComplexPart::imaginary},
+                                   {"db", SmallSignalAnalysis::Column::ComplexPart::decibels}};
 
 /// vm(a), vp(a), vr(a), vi(a), vdb(a), and the same of i; v(a) is magnitude and phase.
 class ColumnReader {
@@ -160,12 +160,12 @@ class ColumnReader {
     if (!request || request->kind == SaveRequest::Kind::all) return;
     const std::string inside = request->column.substr(request->column.find('('));
     const int probe = add_probe(circuit_, std::move(*request));
-    const auto add = [&](std::string_view part_letters, SmallSignalAnalysis::Column::Part part) {
+    const auto add = [&](std::string_view part_letters, SmallSignalAnalysis::Column::ComplexPart part) {
       columns_.push_back({fmt::format("{}{}{}", signal.text, part_letters, inside), part, probe});
     };
     if (!letters.empty()) return add(known->letters, known->part);
-    add("m", SmallSignalAnalysis::Column::Part::magnitude);
-    add("p", SmallSignalAnalysis::Column::Part::phase);
+    add("m", SmallSignalAnalysis::Column::ComplexPart::magnitude);
+    add("p", SmallSignalAnalysis::Column::ComplexPart::phase);
   }
 
  private:

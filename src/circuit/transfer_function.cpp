@@ -65,7 +65,7 @@ class TransferReader {
 
   TransferReader(Reporter& reporter, std::string_view owner) : reporter_(reporter), owner_(owner) {}
 
-  std::optional<elements::Fraction> read(const Expression& expression, Scope& scope) {
+  std::optional<elements::RationalFunction> read(const Expression& expression, Scope& scope) {
     std::optional<Quotient> quotient = value(expression, {scope});
     if (!quotient) return std::nullopt;
     cancel_s(*quotient);
@@ -78,7 +78,7 @@ class TransferReader {
     if (quotient->num.size() > quotient->den.size()) return improper(expression, *quotient);
     std::reverse(quotient->num.begin(), quotient->num.end());
     std::reverse(quotient->den.begin(), quotient->den.end());
-    return elements::Fraction{std::move(quotient->num), std::move(quotient->den)};
+    return elements::RationalFunction{std::move(quotient->num), std::move(quotient->den)};
   }
 
  private:
@@ -88,10 +88,11 @@ class TransferReader {
   }
 
   std::nullopt_t improper(const Expression& expression, const Quotient& quotient) {
-    return fail("E-not-supported", expression,
-                fmt::format("the numerator is of degree {} in s, the denominator of degree {}: such a fraction differentiates its input; try a "
-                            "pole far above all frequencies of interest, as in (…)/(1+s/1e9), or ddt() in an expression",
-                            quotient.num.size() - 1, quotient.den.size() - 1));
+    return fail(
+        "E-not-supported", expression,
+        fmt::format("the numerator is of degree {} in s, the denominator of degree {}: such a fraction differentiates its input; try a "
+                    "pole far above all frequencies of interest, as in (…)/(1+s/1e9), or ddt() in an expression",
+                    quotient.num.size() - 1, quotient.den.size() - 1));
   }
 
   /// Common factors s, which numerators and denominators of sums collect.
@@ -236,8 +237,8 @@ class TransferReader {
 
 }  // namespace
 
-std::optional<elements::Fraction> read_transfer_function(const Expression& expression, Scope& scope, Reporter& reporter,
-                                                         std::string_view owner) {
+std::optional<elements::RationalFunction> read_transfer_function(const Expression& expression, Scope& scope, Reporter& reporter,
+                                                                 std::string_view owner) {
   return TransferReader(reporter, owner).read(expression, scope);
 }
 

@@ -11,7 +11,7 @@
 namespace pwlsim::circuit {
 
 /// Reports anything that is not a proper fraction; `owner` is the element.
-[[nodiscard]] std::optional<elements::Fraction> read_transfer_function(const netlist::Expression& expression, Scope& scope,
-                                                                       Reporter& reporter, std::string_view owner);
+[[nodiscard]] std::optional<elements::RationalFunction> read_transfer_function(const netlist::Expression& expression, Scope& scope,
+                                                                               Reporter& reporter, std::string_view owner);
 
 }  // namespace pwlsim::circuit

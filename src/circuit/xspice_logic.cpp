@@ -90,7 +90,7 @@ Item assignment(std::string_view name, Expression value, SourceSpan span) {
 }
 
 /// The nodes of one port: several between [ and ], two behind %vd or %gd.
-struct Port {
+struct XspicePort {
   std::vector<Item> nodes;
   bool is_current = false;
 };
@@ -151,7 +151,7 @@ class XspiceReplacement {
       const Item& item = card_.items[k];
       const bool is_type = item.text.starts_with('%');
       const bool is_pair = same_name(item.text, "%vd") || same_name(item.text, "%gd") || same_name(item.text, "%hd");
-      Port port;
+      XspicePort port;
       port.is_current = is_type && lower_letter(item.text.c_str()[1]) == 'i';
       if (is_type && item.kind == ItemKind::word) {
         const std::size_t words = card_.items[k + 1].kind == ItemKind::word && is_pair ? 2 : 1;
@@ -163,7 +163,7 @@ class XspiceReplacement {
     }
   }
 
-  static void take(const Item& item, Port& port) {
+  static void take(const Item& item, XspicePort& port) {
     if (item.kind == ItemKind::word) port.nodes.push_back(item);
     for (const Item& inner : item.items)
       if (inner.kind == ItemKind::word && !inner.text.starts_with('%')) port.nodes.push_back(inner);
@@ -301,8 +301,8 @@ class XspiceReplacement {
 
   /// So many nodes, each in a port of its own; those that are inputs may be complements.
   bool take_nodes(std::size_t inputs, std::string_view usage, std::unordered_set<std::string>& inverted) {
-    const bool is_whole =
-        ports_.size() == inputs + 2 && std::all_of(ports_.begin(), ports_.end(), [](const Port& port) { return port.nodes.size() == 1; });
+    const bool is_whole = ports_.size() == inputs + 2 &&
+                          std::all_of(ports_.begin(), ports_.end(), [](const XspicePort& port) { return port.nodes.size() == 1; });
     if (!is_whole) {
       fail(fmt::format("needs {} nodes; usage: {} {} out Nout {}", inputs + 2, card_.name, usage, card_.items.back().text));
       return false;
@@ -426,7 +426,7 @@ class XspiceReplacement {
 
   /// A voltage controls it, and a voltage or a bit is what it gives.
   void oscillator() {
-    const auto is_voltage = [](const Port& port) { return !port.is_current && (port.nodes.size() == 1 || port.nodes.size() == 2); };
+    const auto is_voltage = [](const XspicePort& port) { return !port.is_current && (port.nodes.size() == 1 || port.nodes.size() == 2); };
     if (ports_.size() != 2 || !is_voltage(ports_[0]) || !is_voltage(ports_[1]))
       return fail(fmt::format("needs the voltage that controls it and an output; usage: {} control output {}", card_.name,
                               card_.items.back().text));
@@ -452,7 +452,7 @@ class XspiceReplacement {
   Reporter& reporter_;
   std::optional<ModelText> text_;
   const LogicBlock* block_ = nullptr;
-  std::vector<Port> ports_;
+  std::vector<XspicePort> ports_;
   std::vector<Item> nodes_;  ///< of blocks whose ports are one node each
   std::size_t inner_ = 0;    ///< gates made
   std::vector<Card> calls_;

@@ -22,7 +22,7 @@ void Messages::report(const Diagnostics& diagnostics, const SourceStore& sources
     if (!quiet_ || diagnostic.severity == Severity::error) text += rendered;
   }
   say(text);
-  for (analysis::Departure& departure : analysis::departures(diagnostics, sources)) departures_.push_back(std::move(departure));
+  for (analysis::Idealisation& departure : analysis::departures(diagnostics, sources)) departures_.push_back(std::move(departure));
 }
 
 void Messages::report(const Diagnostic& diagnostic, const SourceStore& sources) {

@@ -28,12 +28,12 @@ class Messages {
   /// The first line of every message so far.
   [[nodiscard]] const std::vector<std::string>& heads() const { return heads_; }
   /// The places where the deck does not run as written.
-  [[nodiscard]] const std::vector<analysis::Departure>& departures() const { return departures_; }
+  [[nodiscard]] const std::vector<analysis::Idealisation>& departures() const { return departures_; }
 
  private:
   bool quiet_;
   std::vector<std::string> heads_;
-  std::vector<analysis::Departure> departures_;
+  std::vector<analysis::Idealisation> departures_;
 };
 
 }  // namespace pwlsim::cli

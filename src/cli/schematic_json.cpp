@@ -33,7 +33,7 @@ std::string terminal_text(const DrawnSheet::Terminal& terminal) {
   return fmt::format("[{}, {}, {}, {}]", terminal.at.x, terminal.at.y, terminal.net, json_string(terminal.name));
 }
 
-std::string part_text(const DrawnSheet::Part& part) {
+std::string part_text(const DrawnSheet::DrawnPart& part) {
   return json_line({{"symbol", json_string(part.symbol)},
                     {"element", json_string(part.element)},
                     {"name", json_string(part.name)},

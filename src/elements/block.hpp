@@ -35,7 +35,7 @@ struct BlockKind {
 
 /// The integrals and fractions described by models of type int and s_xfer.
 [[nodiscard]] Integral integral_of(const Values& values);
-[[nodiscard]] Fraction fraction_of(const Values& values);
+[[nodiscard]] RationalFunction rational_function_of(const Values& values);
 
 [[nodiscard]] std::string smooth_integrator(Twin& twin, const std::string& input);
 [[nodiscard]] std::string smooth_derivative(Twin& twin, const std::string& input);

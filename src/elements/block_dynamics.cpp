@@ -45,7 +45,7 @@ LinearForm transfer(Emission& emission, const LinearForm& input) {
   const Values& v = emission.model().values;
   LinearForm driven = scaled(input, v.get("gain")).form;
   driven.push_back(model::constant(v.get("gain") * v.get("in_offset")));
-  LinearForm output = add_transfer(emission, {}, fraction_of(v), v.get("denormalized_freq"), driven).form;
+  LinearForm output = add_transfer(emission, {}, rational_function_of(v), v.get("denormalized_freq"), driven).form;
   output.push_back(model::constant(v.get("out_offset")));
   return output;
 }
@@ -112,7 +112,7 @@ constexpr BlockKind integrator_block{false, nullptr, integrate, smooth_integrato
 
 Integral integral_of(const Values& values) { return {values.get("out_ic"), values.get("out_lower_limit"), values.get("out_upper_limit")}; }
 
-Fraction fraction_of(const Values& values) {
+RationalFunction rational_function_of(const Values& values) {
   const std::vector<double> num = values.list("num_coeff"), den = values.list("den_coeff");
   return {{num.begin(), num.end()}, {den.begin(), den.end()}};
 }

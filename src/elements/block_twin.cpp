@@ -47,7 +47,7 @@ std::string smooth_derivative(Twin& twin, const std::string& input) {
 std::string smooth_transfer(Twin& twin, const std::string& input) {
   const Values& v = twin.model().values;
   const std::string driven = fmt::format("{}*(({})+{})", v.get("gain"), input, v.get("in_offset"));
-  return fmt::format("{}+{}", v.get("out_offset"), twin_transfer(twin, {}, fraction_of(v), v.get("denormalized_freq"), driven));
+  return fmt::format("{}+{}", v.get("out_offset"), twin_transfer(twin, {}, rational_function_of(v), v.get("denormalized_freq"), driven));
 }
 
 void twin_of_block(Twin& twin) {

@@ -33,7 +33,7 @@ LinearForm add_step(Emission& emission, const MovingForm& x, double at_zero) {
 }
 
 /// below + v(chosen): an inner node that one contact ties to the difference of the two values, the other to ground.
-MovingForm add_choice(model::NetworkBuilder& builder, const model::Label& label, const Choice& choice, const MovingForm& above,
+MovingForm add_choice(model::NetworkBuilder& builder, const model::Label& label, const ChoiceCondition& choice, const MovingForm& above,
                       const MovingForm& below) {
   const auto inner_node = [&](const char* part) { return builder.inner_node({label.name + " (" + part + ")", label.span}); };
   const model::NodeIndex difference = inner_node("difference");

@@ -14,12 +14,12 @@ namespace pwlsim::elements {
 /// If only a source decides, it is a function of time instead, `at_zero` while the source stays at 0; decide_steps replaces others by switches.
 [[nodiscard]] model::LinearForm add_step(Emission& emission, const MovingForm& x, double at_zero);
 
-struct Choice {
+struct ChoiceCondition {
   MovingForm control;
   Varied on_level{}, off_level{};
 };
 /// `above` after the control has risen above on_level until it falls below off_level, else `below`.
-[[nodiscard]] MovingForm add_choice(model::NetworkBuilder& builder, const model::Label& label, const Choice& choice,
+[[nodiscard]] MovingForm add_choice(model::NetworkBuilder& builder, const model::Label& label, const ChoiceCondition& choice,
                                     const MovingForm& above, const MovingForm& below);
 
 }  // namespace pwlsim::elements

@@ -110,7 +110,7 @@ LinearForm add_derivative(Emission& emission, std::string_view part, const Movin
   return quantity(Quantity::capacitor_current, capacitor);
 }
 
-CanonicalForm canonical_form(const Fraction& fraction) {
+CanonicalForm canonical_form(const RationalFunction& fraction) {
   const double rate = rate_of(fraction.den);
   CanonicalForm form{rate, ascending(fraction.num, rate), ascending(fraction.den, rate)};
   form.num.resize(form.den.size(), 0.0);
@@ -122,7 +122,7 @@ CanonicalForm canonical_form(const Fraction& fraction) {
 }
 
 /// Controllable canonical form in p = s/rate:  x_k' = rate·x_{k+1},  x_n' = rate·(u − Σ a_k x_{k+1}),  y = Σ b_k x_{k+1} + b_n·(…).
-MovingForm add_transfer(Emission& emission, std::string_view part, const Fraction& fraction, double unit, const MovingForm& input) {
+MovingForm add_transfer(Emission& emission, std::string_view part, const RationalFunction& fraction, double unit, const MovingForm& input) {
   const auto [rate, num, den] = canonical_form(fraction);
   const std::size_t order = den.size() - 1;
   MovingForm highest = scaled(input, 1.0 / den[order]);

@@ -40,11 +40,12 @@ struct CanonicalForm {
   double rate = 1.0;  ///< 1/s: makes the largest coefficient of the monic denominator one, a number that does not move
   std::vector<Varied> num, den;
 };
-[[nodiscard]] CanonicalForm canonical_form(const Fraction& fraction);
+[[nodiscard]] CanonicalForm canonical_form(const RationalFunction& fraction);
 
 /// A proper fraction, s in units of `unit` 1/s; its states start at their DC values.
-[[nodiscard]] MovingForm add_transfer(Emission& emission, std::string_view part, const Fraction& fraction, double unit,
+[[nodiscard]] MovingForm add_transfer(Emission& emission, std::string_view part, const RationalFunction& fraction, double unit,
                                       const MovingForm& input);
-[[nodiscard]] std::string twin_transfer(Twin& twin, std::string_view part, const Fraction& fraction, double unit, std::string_view input);
+[[nodiscard]] std::string twin_transfer(Twin& twin, std::string_view part, const RationalFunction& fraction, double unit,
+                                        std::string_view input);
 
 }  // namespace pwlsim::elements

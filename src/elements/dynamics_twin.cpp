@@ -47,7 +47,7 @@ std::string twin_derivative(Twin& twin, std::string_view part, std::string_view 
 }
 
 /// The states of add_transfer: x_k' = rate·x_{k+1}, x_n' = rate·(u − Σ a_k x_{k+1}).
-std::string twin_transfer(Twin& twin, std::string_view part, const Fraction& fraction, double unit, std::string_view input) {
+std::string twin_transfer(Twin& twin, std::string_view part, const RationalFunction& fraction, double unit, std::string_view input) {
   const std::string begin(part);
   const auto [rate, num, den] = canonical_form(fraction);
   const std::size_t order = den.size() - 1;

@@ -292,7 +292,7 @@ std::optional<AffineSum> FormulaBuilder::derivative(const AffineSum& x) {
   return sum + part({.kind = Kind::derivative, .argument = rest});
 }
 
-AffineSum FormulaBuilder::transfer(const AffineSum& x, const Fraction& fraction) {
+AffineSum FormulaBuilder::transfer(const AffineSum& x, const RationalFunction& fraction) {
   if (fraction.den.size() == 1) return fraction.num.back() / fraction.den[0] * x;
   return part({.kind = Kind::transfer, .argument = x, .fraction = fraction});
 }

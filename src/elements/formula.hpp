@@ -52,9 +52,9 @@ struct AffineSum {
 [[nodiscard]] AffineSum operator*(const Varied& factor, const AffineSum& a);
 
 /// A proper rational function of s, the highest power first; the denominator's first coefficient is not zero.
-struct Fraction {
+struct RationalFunction {
   std::vector<Varied> num{0.0}, den{1.0};
-  bool operator==(const Fraction&) const = default;
+  bool operator==(const RationalFunction&) const = default;
 };
 
 /// A function without a piecewise-linear form, except for numbers and, in some cases, for functions of time.
@@ -82,7 +82,7 @@ struct FormulaPart {
   Varied start{};               ///< integral: its value at the start, and while it is held
   bool is_held = false;         ///< integral: it stays at `start` while `above` is above on_level
   double from = 0.0, to = 0.0;  ///< integral: its range, none if they are equal
-  Fraction fraction{};          ///< transfer
+  RationalFunction fraction{};  ///< transfer
   SmoothFunction called{};      ///< call
 
   bool operator==(const FormulaPart&) const = default;
@@ -153,7 +153,7 @@ class FormulaBuilder {
   [[nodiscard]] std::optional<AffineSum> wrapped_integral(const AffineSum& x, const Varied& start, const Varied& from, const Varied& to);
   /// For max(x, 0): that of x while x is positive. Empty if a comparison or a choice may jump, because a value cannot contain impulses.
   [[nodiscard]] std::optional<AffineSum> derivative(const AffineSum& x);
-  [[nodiscard]] AffineSum transfer(const AffineSum& x, const Fraction& fraction);
+  [[nodiscard]] AffineSum transfer(const AffineSum& x, const RationalFunction& fraction);
 
   [[nodiscard]] AffineSum time();
   /// Whether it is a function of time only: a sum of constants, exponentials, sinusoids and a linear function.

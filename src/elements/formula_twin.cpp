@@ -129,7 +129,7 @@ void twin_of_formula(Twin& twin, bool is_current) {
 void twin_of_controlled(Twin& twin, bool is_current) {
   const Instance& instance = twin.instance();
   if (instance.formula) return twin_of_formula(twin, is_current);
-  const bool by_current = instance.kind->control == Control::element;
+  const bool by_current = instance.kind->control == ControlSyntax::element;
   const std::vector<double>& gains = instance.coefficients;
   const TwinEnds ends = twin.ends();
   if (gains.size() == 2 && gains[0] == 0.0) {

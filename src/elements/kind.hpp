@@ -65,7 +65,7 @@ struct Model {
 };
 
 /// The control of a card, between the terminals and the tail.
-enum class Control {
+enum class ControlSyntax {
   none,
   node_pair,    ///< nc+ nc-; with Tail::gain also POLY(n) and n pairs
   element,      ///< the name of an element whose current controls; with Tail::gain also POLY(n) and n names
@@ -90,7 +90,7 @@ struct Kind {
   int terminals = 2;
   int optional_terminals = 0;             ///< that may follow before the model
   std::span<const int> tied_terminals{};  ///< of more than two terminals, those that tie potentials to one another
-  Control control = Control::none;
+  ControlSyntax control = ControlSyntax::none;
   Tail tail = Tail::value;
   ParameterTable parameters;
   std::span<const ModelKind* const> models;  ///< the types Tail::model takes

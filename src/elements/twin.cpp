@@ -66,7 +66,7 @@ Twin::Twin(const std::vector<Instance>& instances, const std::vector<Model>& mod
       settings_(settings),
       diagnostics_(diagnostics) {
   for (const Instance& instance : instances) {
-    if (instance.kind->control != Control::element_list)  // K names its inductors, it does not read them
+    if (instance.kind->control != ControlSyntax::element_list)  // K names its inductors, it does not read them
       for (const Reference& reference : instance.references) observed_[static_cast<std::size_t>(reference.index)] = 1;
     if (instance.kind->letter == 'V' && instance.nodes[1] == model::ground && instance.values.get("Rser") == 0.0)
       held_.insert(instance.nodes[0]);

@@ -120,7 +120,7 @@ struct Statistics {
 
 /// A jump of states in one part of the circuit at one instant.
 struct Jump {
-  struct Impulse {
+  struct PortImpulse {
     std::string element;
     std::string unit;  ///< "C": a charge through it; "Vs": a flux across it; "s": of a multiplier that has no unit
     double value = 0.0;
@@ -130,7 +130,7 @@ struct Jump {
     double before = 0.0, after = 0.0;
   };
   double time = 0.0;                               ///< s
-  std::vector<Impulse> impulses;                   ///< of first order
+  std::vector<PortImpulse> impulses;               ///< of first order
   bool higher_order = false;                       ///< derivatives of impulses acted too
   std::vector<State> states;                       ///< those that changed
   double energy_before = 0.0, energy_after = 0.0;  ///< stored, J

@@ -38,12 +38,12 @@ class Attempt {
     answer_.basis = exact.basis;
     return true;
   }
-  Answer& answer() { return answer_; }
+  AssessedSolution& answer() { return answer_; }
 
  private:
   const Matrix& m_;
   const Vector& q_;
-  Answer answer_;
+  AssessedSolution answer_;
 };
 
 /// Solvers that follow one path may miss a solution where M is in no class of theirs.
@@ -63,7 +63,7 @@ bool enumerated(const Matrix& m, const Vector& q, Attempt& attempt) {
   return false;
 }
 
-Answer try_in_turn(const Matrix& m, const Vector& q) {
+AssessedSolution try_in_turn(const Matrix& m, const Vector& q) {
   Attempt attempt(m, q);
   if (attempt.accepts(lemke(m, q), Method::lemke)) return attempt.answer();
   const Status of_lemke = attempt.answer().status;
@@ -72,7 +72,7 @@ Answer try_in_turn(const Matrix& m, const Vector& q) {
   if (attempt.accepts(lemke(m + tolerance::regularisation * Matrix::Identity(q.size(), q.size()), q), Method::regularised))
     return attempt.answer();
   if (enumerated(m, q, attempt)) return attempt.answer();
-  Answer none;
+  AssessedSolution none;
   none.status = of_lemke;
   none.pivots = attempt.answer().pivots;
   none.z = none.w = Vector::Zero(q.size());
@@ -81,11 +81,11 @@ Answer try_in_turn(const Matrix& m, const Vector& q) {
 
 }  // namespace
 
-Answer solve(const Matrix& m, const Vector& q) {
+AssessedSolution solve(const Matrix& m, const Vector& q) {
   const Vector scale = diagonal_scale(m);
   const Matrix scaled = scale.asDiagonal() * m * scale.asDiagonal();
   const Vector scaled_q = scale.asDiagonal() * q;
-  Answer answer = try_in_turn(scaled, scaled_q);
+  AssessedSolution answer = try_in_turn(scaled, scaled_q);
   answer.z = scale.asDiagonal() * answer.z;
   answer.w = answer.w.cwiseQuotient(scale);
   return answer;

@@ -15,7 +15,7 @@ enum class Method {
   enumeration   ///< of all bases, smaller ones first; only for up to ten ports without a known class
 };
 
-struct Answer {
+struct AssessedSolution {
   Status status = Status::solved;  ///< if no solver answered: `ray` if Lemke's method ended so
   Method method = Method::none;
   linalg::Vector z, w;     ///< w_i or z_i is exactly zero at every port
@@ -27,6 +27,6 @@ struct Answer {
 /// An answer with a residual (Assessment::worst of the diagonally scaled problem) above this is not a solution.
 inline constexpr double acceptable_residual = 1e-10;  ///< Of: the scaled data. Why: answers in double have residuals near 1e-15.
 
-[[nodiscard]] Answer solve(const linalg::Matrix& m, const linalg::Vector& q);
+[[nodiscard]] AssessedSolution solve(const linalg::Matrix& m, const linalg::Vector& q);
 
 }  // namespace pwlsim::lcp

@@ -8,7 +8,7 @@ void CrossingWatch::start(double value, double noise) {
   side_ = std::abs(value) <= noise ? Side::at_start : value < 0.0 ? Side::below : Side::above;
 }
 
-void CrossingWatch::take(const Part& part, double noise, const std::function<void(double)>& passed) {
+void CrossingWatch::take(const PolynomialPart& part, double noise, const std::function<void(double)>& passed) {
   const double mean = part.series.mean();
   const double variation = part.series.variation();
   if (std::abs(mean) + variation <= noise) return side(0, part.from, passed);

@@ -21,7 +21,7 @@ class CrossingWatch {
   void start(double value, double noise);
   /// The expression on the next interval. Calls `passed(time)` at the requested crossing; for the last one, at each so far.
   /// `noise`: smaller values count as zero.
-  void take(const Part& part, double noise, const std::function<void(double)>& passed);
+  void take(const PolynomialPart& part, double noise, const std::function<void(double)>& passed);
   /// The value at the end: a value that reaches zero there to rounding has crossed.
   void finish(double value, double noise, double time, const std::function<void(double)>& passed);
   /// Whether all requested crossings are found.

@@ -194,7 +194,7 @@ void Meter::read_at(PieceView& view, double time) {
     value_ = view.value(expression_, results_, time);
   } else {
     const double end = view.piece().begin + view.piece().length;
-    const bool resolved = view.resolve(expression_, results_, view.piece().begin, end, scale_, [&](const Part& part) {
+    const bool resolved = view.resolve(expression_, results_, view.piece().begin, end, scale_, [&](const PolynomialPart& part) {
       if (time < part.from || (time >= part.to && part.to < end)) return;
       const double x = 2.0 * (time - part.from) / part.length() - 1.0;
       value_ = part.series.derivative()(std::clamp(x, -1.0, 1.0)) * 2.0 / part.length();
@@ -205,7 +205,7 @@ void Meter::read_at(PieceView& view, double time) {
 
 void Meter::take_when(PieceView& view, double from, double to) {
   const double noise = noise_of(view, from, to);
-  const bool resolved = view.resolve(difference_, results_, from, to, scale_, [&](const Part& part) {
+  const bool resolved = view.resolve(difference_, results_, from, to, scale_, [&](const PolynomialPart& part) {
     const bool is_done = found_ && !measurement_.when->last;
     if (is_done || !is_finite(part)) return;
     scale_ = std::max(scale_, largest_of(part.values.data()));
@@ -217,7 +217,7 @@ void Meter::take_when(PieceView& view, double from, double to) {
 }
 
 void Meter::take_window(PieceView& view, double from, double to) {
-  const bool resolved = view.resolve(expression_, results_, from, to, scale_, [&](const Part& part) {
+  const bool resolved = view.resolve(expression_, results_, from, to, scale_, [&](const PolynomialPart& part) {
     if (!is_finite(part)) return;
     scale_ = std::max(scale_, largest_of(part.values.data()));
     add(part);
@@ -226,13 +226,13 @@ void Meter::take_window(PieceView& view, double from, double to) {
 }
 
 /// False, and failed, where the expression has no value.
-bool Meter::is_finite(const Part& part) {
+bool Meter::is_finite(const PolynomialPart& part) {
   if (std::all_of(part.values.begin(), part.values.end(), [](double value) { return std::isfinite(value); })) return true;
   fail(not_finite);
   return false;
 }
 
-void Meter::add(const Part& part) {
+void Meter::add(const PolynomialPart& part) {
   switch (measurement_.kind) {
     case Kind::average:
     case Kind::integral:
@@ -252,7 +252,7 @@ void Meter::add(const Part& part) {
   any_ = true;
 }
 
-void Meter::add_extremes(const Part& part) {
+void Meter::add_extremes(const PolynomialPart& part) {
   const double size = part.series.variation();
   if (any_ && (part.length() <= sliver_ || (part.series.mean() - size >= least_ && part.series.mean() + size <= largest_))) return;
   const linalg::Extremes found = linalg::extremes(part.series);

@@ -50,7 +50,7 @@ class Meter {
   using Kind = circuit::Measurement::Kind;
   void set_window(double start, double stop, double end);
   void set_place(double stop);
-  [[nodiscard]] bool is_finite(const Part& part);
+  [[nodiscard]] bool is_finite(const PolynomialPart& part);
   void fail(std::string text) { failure_ = std::move(text); }
   [[nodiscard]] bool integrates() const { return measurement_.kind == Kind::integral || measurement_.kind == Kind::average; }
   [[nodiscard]] bool feels(std::span<const double> impulses, double time) const;
@@ -61,8 +61,8 @@ class Meter {
   void take_at(PieceView& view);
   void take_when(PieceView& view, double from, double to);
   void read_at(PieceView& view, double time);
-  void add(const Part& part);
-  void add_extremes(const Part& part);
+  void add(const PolynomialPart& part);
+  void add_extremes(const PolynomialPart& part);
   [[nodiscard]] double noise_of(PieceView& view, double from, double to);
 
   const circuit::Measurement& measurement_;

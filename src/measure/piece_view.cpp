@@ -96,8 +96,8 @@ double PieceView::noise_of(const Program& program, const std::vector<double>& re
 }
 
 bool PieceView::resolve(const Program& program, const std::vector<double>& results, double from, double to, double scale,
-                        const std::function<void(const Part&)>& take) {
-  Part whole = part_on(program, results, from, to);
+                        const std::function<void(const PolynomialPart&)>& take) {
+  PolynomialPart whole = part_on(program, results, from, to);
   if (program.is_polynomial()) {
     take(whole);
     return true;
@@ -114,9 +114,9 @@ bool PieceView::resolve(const Program& program, const std::vector<double>& resul
 }
 
 /// Halves the part that is farthest from a polynomial until all are near, or there are too many.
-void PieceView::split(const Program& program, const std::vector<double>& results, const Part& whole, double scale) {
+void PieceView::split(const Program& program, const std::vector<double>& results, const PolynomialPart& whole, double scale) {
   const auto is_nearer = [](const Open& a, const Open& b) { return a.error < b.error; };
-  const auto add = [&](const Part& part, double tail_before, int depth) {
+  const auto add = [&](const PolynomialPart& part, double tail_before, int depth) {
     const bool may_split = depth < deepest && part.time(0.0) > part.from && part.time(0.0) < part.to;
     const double error = may_split ? error_of(program, results, part, tail_before, scale) : 0.0;
     parts_.push_back({part, error, depth});
@@ -135,8 +135,8 @@ void PieceView::split(const Program& program, const std::vector<double>& results
   }
 }
 
-Part PieceView::part_on(const Program& program, const std::vector<double>& results, double from, double to) {
-  Part part{from, to, {}, {}};
+PolynomialPart PieceView::part_on(const Program& program, const std::vector<double>& results, double from, double to) {
+  PolynomialPart part{from, to, {}, {}};
   values(program, results, from, to, part.values.data());
   part.series = linalg::LegendreSeries(part.values.data());
   return part;
@@ -144,7 +144,8 @@ Part PieceView::part_on(const Program& program, const std::vector<double>& resul
 
 /// 0 for a part that is resolved. A corner may hide between an end and the first point. What halving leaves as it was is rounding, unless it is large: a
 /// jump.
-double PieceView::error_of(const Program& program, const std::vector<double>& results, const Part& part, double tail_before, double scale) {
+double PieceView::error_of(const Program& program, const std::vector<double>& results, const PolynomialPart& part, double tail_before,
+                           double scale) {
   const double tail = part.series.tail();
   if (tail <= noise * scale && tail > stalled * tail_before) return 0.0;
   const double ends = std::max(std::abs(part.series(-1.0) - value(program, results, part.from)),

@@ -12,7 +12,7 @@
 namespace pwlsim::measure {
 
 /// An expression on [from, to], where it is a polynomial of x = −1 … 1.
-struct Part {
+struct PolynomialPart {
   double from = 0.0, to = 0.0;  ///< s
   linalg::LegendreValues values{};
   linalg::LegendreSeries series;
@@ -40,12 +40,12 @@ class PieceView {
   /// polynomial of its signals is subdivided until it is one, towards a corner or a jump as far as possible. False: it varies too fast, and the parts that
   /// were passed are not valid.
   bool resolve(const Program& program, const std::vector<double>& results, double from, double to, double scale,
-               const std::function<void(const Part&)>& take);
+               const std::function<void(const PolynomialPart&)>& take);
 
  private:
-  [[nodiscard]] Part part_on(const Program& program, const std::vector<double>& results, double from, double to);
-  void split(const Program& program, const std::vector<double>& results, const Part& whole, double scale);
-  [[nodiscard]] double error_of(const Program& program, const std::vector<double>& results, const Part& part, double tail_before,
+  [[nodiscard]] PolynomialPart part_on(const Program& program, const std::vector<double>& results, double from, double to);
+  void split(const Program& program, const std::vector<double>& results, const PolynomialPart& whole, double scale);
+  [[nodiscard]] double error_of(const Program& program, const std::vector<double>& results, const PolynomialPart& part, double tail_before,
                                 double scale);
   const double* signal_on(int probe, double from, double to);
 
@@ -59,7 +59,7 @@ class PieceView {
   };
   std::vector<Signal> signals_;
   struct Open {
-    Part part;
+    PolynomialPart part;
     double error = 0.0;  ///< 0: resolved
     int depth = 0;
   };

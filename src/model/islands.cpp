@@ -265,7 +265,7 @@ class Distributor {
     for (std::size_t i = 0; i < network_.switches.size(); ++i) {
       const auto& s = network_.switches[i];
       Island& home = islands_[home_of(s.control)];
-      Island::Control control{{}, static_cast<int>(i), s.on_level, s.off_level};
+      Island::ControlForm control{{}, static_cast<int>(i), s.on_level, s.off_level};
       for (const auto& term : s.control) control.value.push_back(translated(term, home));
       home.controls.push_back(std::move(control));
     }

@@ -12,7 +12,7 @@ namespace pwlsim::model {
 
 /// One part, with its own numbering, and what ties it to the whole.
 struct Island {
-  struct Control {
+  struct ControlForm {
     LinearForm value;  ///< in the island's numbering
     int driven = 0;    ///< switch of the whole network
     double on_level = 0.0, off_level = 0.0;
@@ -21,7 +21,7 @@ struct Island {
   Network network;                 ///< signals: the island's share of each saved signal
   std::vector<int> signal_number;  ///< of network.signals, in the whole network
   std::vector<int> switch_number;  ///< of network.switches, in the whole network
-  std::vector<Control> controls;
+  std::vector<ControlForm> controls;
   bool needed = true;
   int part = 0;                      ///< islands of one number hang together in the network as drawn, by rails
   std::vector<int> copied_branches;  ///< of network.branches: sources of rails that belong to another island

@@ -455,8 +455,8 @@ const Selected& Selector::stay_in(const Mode& mode) {
   return selected_;
 }
 
-const Selected& Selector::give_up(Choice why, const IndexSet& current) {
-  selected_.choice = why;
+const Selected& Selector::give_up(SelectionOutcome why, const IndexSet& current) {
+  selected_.outcome = why;
   selected_.mode = &modes_.mode(current);
   return selected_;
 }
@@ -486,7 +486,7 @@ const Selected& Selector::go_on_in(double* x, const Mode& mode) {
   details_.continuations = continuations(x, mode);
   if (details_.continuations.size() == 1) return selected_;
   selected_.details = &details_;
-  selected_.choice = Choice::several;
+  selected_.outcome = SelectionOutcome::several;
   if (several_ == Several::first) selected_.mode = first_of(details_.continuations);
   if (selected_.mode != &mode && strictly_consistent(*selected_.mode, x, projected_.data()))
     linalg::copy(projected_.data(), system_.size(), x);
@@ -511,7 +511,7 @@ const Selected& Selector::select(double* x, const IndexSet& wanted, int trigger)
   while (selected_.jumps <= most_jumps) {
     bool warm = false, jumped = false;
     const Mode* found = search_at_all_levels(x, *current, selected_.jumps == 0 ? trigger : -1, warm, jumped);
-    if (!found) return give_up(Choice::none, *current);
+    if (!found) return give_up(SelectionOutcome::none, *current);
     if (!jumped) {
       if (!warm) modes_.remember(*current, *found);
       return go_on_in(x, *with_free_ports(x, *found));
@@ -522,7 +522,7 @@ const Selected& Selector::select(double* x, const IndexSet& wanted, int trigger)
     trigger_ = -1;
     current = &found->active;
   }
-  return give_up(Choice::too_many_jumps, *current);
+  return give_up(SelectionOutcome::too_many_jumps, *current);
 }
 
 }  // namespace pwlsim::model

@@ -19,7 +19,7 @@
 namespace pwlsim::model {
 
 /// `several`: `mode` is one of different continuations.
-enum class Choice { found, none, several, too_many_jumps };
+enum class SelectionOutcome { found, none, several, too_many_jumps };
 
 /// The choice among different continuations: the first in the order of the ports, or the previous mode if it is one of them.
 enum class Several { first, stay };
@@ -33,7 +33,7 @@ struct Details {
 };
 
 struct Selected {
-  Choice choice = Choice::found;
+  SelectionOutcome outcome = SelectionOutcome::found;
   const Mode* mode = nullptr;
   int jumps = 0;
   bool settles = false;              ///< decays that are not followed moved the state, be it on the way to a mode that has none
@@ -123,7 +123,7 @@ class Selector {
   const Mode* at_some_level(const Way& way);
   const Mode* search_at_all_levels(double* x, const IndexSet& current, int trigger, bool& warm, bool& jumped);
   const Selected& go_on_in(double* x, const Mode& mode);
-  const Selected& give_up(Choice why, const IndexSet& current);
+  const Selected& give_up(SelectionOutcome why, const IndexSet& current);
   [[nodiscard]] const Mode* first_of(const std::vector<const Mode*>& modes) const;
 
   const System& system_;

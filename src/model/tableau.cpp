@@ -2,7 +2,7 @@
 
 namespace pwlsim::model {
 
-Unknowns::Unknowns(const Network& network, const Choice& choice) : network_(&network) {
+Unknowns::Unknowns(const Network& network, const Carried& choice) : network_(&network) {
   int next = static_cast<int>(network.nodes.size());
   const auto take = [&next](std::size_t count) {
     const int first = next;

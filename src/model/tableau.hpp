@@ -17,14 +17,14 @@ namespace pwlsim::model {
 /// ports, which are diodes, then complementarities with their inputs, then switches.
 class Unknowns {
  public:
-  struct Choice {
+  struct Carried {
     double low_resistance = 0.0;             ///< below it a resistor carries its current as an unknown
     std::vector<char> capacitor_currents{};  ///< which capacitors carry theirs
     int rates = 0;
   };
   Unknowns() = default;
   /// Refers to the network.
-  Unknowns(const Network& network, const Choice& choice);
+  Unknowns(const Network& network, const Carried& choice);
 
   /// −1: its current is not an unknown.
   [[nodiscard]] int low_resistor(std::size_t i) const { return low_resistor_[i]; }

@@ -59,7 +59,7 @@ Impulses impulses_of(const System& system, const engine::Change& change) {
         result.unknown.push_back(static_cast<int>(k));
         continue;
       }
-      Impulse impulse{way, static_cast<int>(k), row.input.transpose() * *ports, 0.0, 0.0};
+      OutputImpulse impulse{way, static_cast<int>(k), row.input.transpose() * *ports, 0.0, 0.0};
       if (impulse.on.isZero(0.0)) continue;
       impulse.rate = impulse.on.dot(rate.transpose());
       impulse.size = impulse.on.dot(x.transpose());

@@ -10,7 +10,7 @@
 
 namespace pwlsim::steady {
 
-struct Impulse {
+struct OutputImpulse {
   std::size_t way = 0;    ///< number of the mode on the way of the change
   int output = 0;         ///< of the island
   Eigen::RowVectorXd on;  ///< q, of (ξ, ζ)
@@ -19,7 +19,7 @@ struct Impulse {
 };
 
 struct Impulses {
-  std::vector<Impulse> list;
+  std::vector<OutputImpulse> list;
   std::vector<int> unknown;  ///< outputs whose impulses are of higher order, or not proportional to the jump
 };
 

@@ -48,10 +48,10 @@ struct LinearGuard {
 struct LinearChange {
   std::size_t island = 0;
   std::vector<const model::Mode*> by_way_of;
-  Vector d;                         ///< (P f⁻ − f⁺): n
-  Vector outputs;                   ///< y⁻ − y⁺ of its outputs
-  std::vector<Impulse> impulses{};  ///< after take_impulses, by way
-  std::optional<LinearGuard> own;   ///< by which it comes, where that is not the instant's
+  Vector d;                               ///< (P f⁻ − f⁺): n
+  Vector outputs;                         ///< y⁻ − y⁺ of its outputs
+  std::vector<OutputImpulse> impulses{};  ///< after take_impulses, by way
+  std::optional<LinearGuard> own;         ///< by which it comes, where that is not the instant's
 };
 
 struct LinearInstant : LinearGuard {

@@ -16,7 +16,7 @@ namespace {
 using namespace model;
 
 /// The fraction of the least denominator within the rounding of a positive ratio, by continued fractions.
-std::optional<Fraction> fraction_of(double ratio) {
+std::optional<Ratio> ratio_of(double ratio) {
   std::int64_t p0 = 0, q0 = 1, p1 = 1, q1 = 0;
   double rest = ratio;
   for (int term = 0; term < 40; ++term) {
@@ -25,7 +25,7 @@ std::optional<Fraction> fraction_of(double ratio) {
     const auto a = static_cast<std::int64_t>(whole);
     const std::int64_t p = a * p1 + p0, q = a * q1 + q0;
     if (q > largest_denominator || p > (std::int64_t{1} << 53)) return std::nullopt;
-    if (std::abs(static_cast<double>(p) / static_cast<double>(q) - ratio) <= tolerance::ratio_rounding * ratio) return Fraction{p, q};
+    if (std::abs(static_cast<double>(p) / static_cast<double>(q) - ratio) <= tolerance::ratio_rounding * ratio) return Ratio{p, q};
     p0 = p1, q0 = q1, p1 = p, q1 = q;
     if (rest == whole) return std::nullopt;
     rest = 1.0 / (rest - whole);
@@ -109,9 +109,9 @@ double seconds_of(const std::vector<PeriodicSource>& sources) {
 /// The cycles of each source in the common period; a failure is said in words.
 std::string count_cycles(std::vector<PeriodicSource>& sources) {
   const PeriodicSource first = sources.front();
-  std::vector<Fraction> ratios;
+  std::vector<Ratio> ratios;
   for (const PeriodicSource& source : sources) {
-    const auto ratio = fraction_of(source.period / first.period);
+    const auto ratio = ratio_of(source.period / first.period);
     if (!ratio)
       return fmt::format("no common period of {} and {}: their ratio is not a fraction with a denominator up to {}; try period=",
                          frequency_text(first), frequency_text(source), largest_denominator);
@@ -119,7 +119,7 @@ std::string count_cycles(std::vector<PeriodicSource>& sources) {
   }
   // The common period is first.period·lcm(p)/gcd(q).
   std::int64_t multiple = 1, divisor = 0;
-  for (const Fraction& ratio : ratios) {
+  for (const Ratio& ratio : ratios) {
     const std::int64_t factor = ratio.p / std::gcd(multiple, ratio.p);
     if (factor > (std::int64_t{1} << 53) / multiple)
       return fmt::format("the common period of {} and the other sources is out of range; try period=", frequency_text(first));

@@ -10,7 +10,7 @@
 namespace pwlsim::steady {
 
 /// A fraction p/q that a ratio of two decimals is, to its rounding.
-struct Fraction {
+struct Ratio {
   std::int64_t p = 0, q = 1;
 };
 

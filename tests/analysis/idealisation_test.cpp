@@ -23,7 +23,7 @@ TEST_CASE("what is not run as written is a list, in the order of its messages", 
   told.diagnostics.warning("W-ignored-parameter", {told.file, 35, 39}, "V= is ignored");
   told.diagnostics.warning("W-startup", {told.file, 40, 59}, "startup is read as uic");
   told.diagnostics.note("N-control-skipped", {}, "nowhere");
-  const std::vector<Departure> list = departures(told.diagnostics, told.sources);
+  const std::vector<Idealisation> list = departures(told.diagnostics, told.sources);
   REQUIRE(list.size() == 4);
   CHECK(list[0].kind == "replaced");
   CHECK(list[0].subject == "DX");

@@ -103,7 +103,7 @@ void print_table(const std::map<std::string, Counts>& table) {
 /// How far the sparse engine is from the reference.
 std::string second_opinion(Program& program, const Converter& converter, const Resolved& reference) {
   for (const char* tolerance : {"1e-9", "1e-7"}) {
-    const Answer answer = program.run(converter.text(), {"--engine", "sparse", "--reltol", tolerance});
+    const ProgramAnswer answer = program.run(converter.text(), {"--engine", "sparse", "--reltol", tolerance});
     if (answer.status != 0 || answer.rows.size() != reference.waveforms.rows.size()) continue;
     return fmt::format(", sparse engine {:.1e}", largest_difference(reference.waveforms, answer.rows, converter).size);
   }
@@ -152,7 +152,7 @@ class Examination {
 
   void compare(std::uint64_t seed, const Converter& converter, const Resolved& reference, const Variant& variant) {
     const double start = now();
-    const Answer answer = common_rows(program_->run(converter.text(), words_), variant);
+    const ProgramAnswer answer = common_rows(program_->run(converter.text(), words_), variant);
     const Judgement judgement = judge(converter, reference, answer, limit());
     for (Counts* counts : {&table_[converter.family], &total_}) {
       ++counts->verdicts[judgement.verdict];

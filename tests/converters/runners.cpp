@@ -49,7 +49,7 @@ std::vector<std::string> words(const std::vector<std::string>& options) {
 
 class InnerProgram : public Program {
  public:
-  Answer run(const std::string& deck, const std::vector<std::string>& options) override {
+  ProgramAnswer run(const std::string& deck, const std::vector<std::string>& options) override {
     folder_.write("deck.net", deck);
     const Trial trial = runner_->run(folder_, words(options));
     return {trial.status, ids_of(trial.err), read_rows(trial.out)};
@@ -63,7 +63,7 @@ class InnerProgram : public Program {
 class SpawnedProgram : public Program {
  public:
   explicit SpawnedProgram(std::string path) : path_(std::move(path)) {}
-  Answer run(const std::string& deck, const std::vector<std::string>& options) override {
+  ProgramAnswer run(const std::string& deck, const std::vector<std::string>& options) override {
     folder_.write("deck.net", deck);
     SpawnOptions spawn;
     spawn.program = path_;

@@ -29,7 +29,7 @@ const char* name_of(Verdict verdict) {
   return "";
 }
 
-Judgement judge(const Converter& converter, const Resolved& reference, const Answer& answer, double threshold) {
+Judgement judge(const Converter& converter, const Resolved& reference, const ProgramAnswer& answer, double threshold) {
   Judgement result;
   const Waveforms& waveforms = reference.waveforms;
   if (answer.status != 0) {
@@ -70,7 +70,7 @@ Resolved transformed(const Resolved& reference, const Variant& variant) {
   return result;
 }
 
-Answer common_rows(Answer answer, const Variant& variant) {
+ProgramAnswer common_rows(ProgramAnswer answer, const Variant& variant) {
   if (variant.row_stride == 1) return answer;
   std::vector<std::vector<double>> rows;
   for (std::size_t r = 0; r < answer.rows.size(); r += variant.row_stride) rows.push_back(answer.rows[r]);

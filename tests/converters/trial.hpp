@@ -9,7 +9,7 @@
 
 namespace pwlsim::test::converters {
 
-struct Answer {
+struct ProgramAnswer {
   int status = -1;
   std::string messages;                   ///< ids, parted by blanks
   std::vector<std::vector<double>> rows;  ///< without the time
@@ -19,7 +19,7 @@ struct Answer {
 class Program {
  public:
   virtual ~Program() = default;
-  [[nodiscard]] virtual Answer run(const std::string& deck, const std::vector<std::string>& options) = 0;
+  [[nodiscard]] virtual ProgramAnswer run(const std::string& deck, const std::vector<std::string>& options) = 0;
 };
 
 enum class Verdict { agree, silent, told, error, unresolved };
@@ -32,10 +32,10 @@ struct Judgement {
 };
 
 /// `threshold`: differences up to it agree.
-[[nodiscard]] Judgement judge(const Converter& converter, const Resolved& reference, const Answer& answer, double threshold);
+[[nodiscard]] Judgement judge(const Converter& converter, const Resolved& reference, const ProgramAnswer& answer, double threshold);
 
 /// What the reference becomes for a variant, and every row of an answer that it has.
 [[nodiscard]] Resolved transformed(const Resolved& reference, const Variant& variant);
-[[nodiscard]] Answer common_rows(Answer answer, const Variant& variant);
+[[nodiscard]] ProgramAnswer common_rows(ProgramAnswer answer, const Variant& variant);
 
 }  // namespace pwlsim::test::converters

@@ -31,7 +31,7 @@ struct Solver {
   std::function<lcp::Solution(Problems&, const Matrix&, const Vector&)> run;
 };
 
-lcp::Solution as_solution(const lcp::Answer& a) { return {a.status, a.z, a.w, a.basis, a.pivots}; }
+lcp::Solution as_solution(const lcp::AssessedSolution& a) { return {a.status, a.z, a.w, a.basis, a.pivots}; }
 
 std::vector<int> any_set(Problems& random, const Vector& q) { return random.subset(static_cast<int>(q.size())); }
 
@@ -122,7 +122,7 @@ TEST_CASE("35: Newton cycles, the others do not", "[hard]") {
   const lcp::Solution least = lcp::least_index(m, q);
   REQUIRE(least.status == Status::solved);
   CHECK((least.z - expected).norm() <= tight);
-  const lcp::Answer answer = lcp::solve(m, q);
+  const lcp::AssessedSolution answer = lcp::solve(m, q);
   REQUIRE(answer.status == Status::solved);
   CHECK(answer.method == Method::lemke);
   CHECK(answer.assessment.worst() <= tight);
@@ -151,7 +151,7 @@ TEST_CASE("the driver falls back and says so", "[unit]") {
     const int k = 2 + static_cast<int>(seed % 4);
     const Matrix m = random.matrix(k, k);
     const Vector q = random.vector(k);
-    const lcp::Answer answer = lcp::solve(m, q);
+    const lcp::AssessedSolution answer = lcp::solve(m, q);
     if (answer.status != Status::solved) {
       CHECK(answer.method == Method::none);
       continue;
@@ -172,8 +172,8 @@ TEST_CASE("units of the ports do not matter", "[unit]") {
     const Matrix m = random.semidefinite(k, k) + 0.05 * Matrix::Identity(k, k);
     const Vector q = random.vector(k);
     const Vector units = random.vector(k).unaryExpr([](double e) { return std::exp2(std::round(20.0 * e)); });
-    const lcp::Answer plain = lcp::solve(m, q);
-    const lcp::Answer scaled = lcp::solve(units.asDiagonal() * m * units.asDiagonal(), units.asDiagonal() * q);
+    const lcp::AssessedSolution plain = lcp::solve(m, q);
+    const lcp::AssessedSolution scaled = lcp::solve(units.asDiagonal() * m * units.asDiagonal(), units.asDiagonal() * q);
     REQUIRE(plain.status == Status::solved);
     REQUIRE(scaled.status == Status::solved);
     CHECK((units.cwiseProduct(scaled.z) - plain.z).norm() <= agreement * (1.0 + plain.z.norm()));
@@ -188,7 +188,7 @@ TEST_CASE("large problems of all classes are solved to rounding", "[unit]") {
     Problems random(static_cast<std::uint64_t>(k));
     const Matrix m = problems.matrix(random, k);
     const Vector q = problems.name == "semidefinite, any" ? feasible_right(random, m) : problems.right(random, m);
-    const lcp::Answer answer = lcp::solve(m, q);
+    const lcp::AssessedSolution answer = lcp::solve(m, q);
     INFO(problems.name << " " << k);
     REQUIRE(answer.status == Status::solved);
     CHECK(answer.assessment.worst() <= lcp::acceptable_residual);

@@ -219,7 +219,7 @@ class CascadeSteps {
   /// Where N is a P-matrix the problem has one solution; false: not found, or its signs are within rounding.
   bool by_solver(const Branch& branch, const Step& s, std::vector<Branch>& next) {
     if (!c_.one_solution_) return false;
-    const lcp::Answer answer = lcp::solve(s.schur.cast<double>(), s.right.v.cast<double>());
+    const lcp::AssessedSolution answer = lcp::solve(s.schur.cast<double>(), s.right.v.cast<double>());
     return answer.status == lcp::Status::solved && follow(branch, s, answer.basis, next);
   }
 

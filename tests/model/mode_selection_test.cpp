@@ -15,8 +15,8 @@
 
 using namespace pwlsim;
 using namespace pwlsim::test;
-using model::Choice;
 using model::Matrix;
+using model::SelectionOutcome;
 using model::Vector;
 using model::Verdict;
 
@@ -103,8 +103,8 @@ struct Tally {
               << of_enumeration[2] << "; a singular mode in " << irregular << "\n  cascade: none " << of_cascade[0] << ", unique "
               << of_cascade[1] << ", several " << of_cascade[2] << ", undecided " << of_cascade[3] << "; compared " << compared
               << "\n  after all jumps: none " << ends_none << ", one " << ends_unique << ", several " << ends_several << ", not followed "
-              << ends_inexact << "\n  selector: found " << selected_found << ", several " << selected_several << ", none "
-              << selected_none << ", of these in a singular mode " << selected_beyond << ", not confirmed " << selected_wrong.size()
+              << ends_inexact << "\n  selector: found " << selected_found << ", several " << selected_several << ", none " << selected_none
+              << ", of these in a singular mode " << selected_beyond << ", not confirmed " << selected_wrong.size()
               << "\n  unique for every x: " << certified << "\n";
   }
 };
@@ -139,19 +139,19 @@ void compare_cascade(const RandomSystem& random, const ExactOutcome& exact, Tall
 
 /// Whether the answer of the selector is one of the ends: the state, and a mode between the active set and the active with the indeterminate.
 bool confirmed(const model::Selected& selected, const Vector& x, const Ends& ends, int k) {
-  switch (selected.choice) {
-    case Choice::found:
-    case Choice::several: {
+  switch (selected.outcome) {
+    case SelectionOutcome::found:
+    case SelectionOutcome::several: {
       const unsigned mode = bits_of(selected.mode->active, k);
       const bool is_end = std::any_of(ends.smooth.begin(), ends.smooth.end(), [&](const ExactSolution& s) {
         return (mode & s.active) == s.active && (mode & s.inactive) == 0 &&
                (x - s.state_after).norm() <= agreement * (1.0 + s.state_after.norm());
       });
-      return is_end && (ends.branches || selected.choice == Choice::found);
+      return is_end && (ends.branches || selected.outcome == SelectionOutcome::found);
     }
-    case Choice::none:
+    case SelectionOutcome::none:
       return ends.dead;
-    case Choice::too_many_jumps:
+    case SelectionOutcome::too_many_jumps:
       return false;
   }
   return false;
@@ -159,9 +159,9 @@ bool confirmed(const model::Selected& selected, const Vector& x, const Ends& end
 
 /// Without jump: as many continuations as there are.
 bool counted_right(const model::Selected& selected, const ExactOutcome& exact) {
-  if (selected.jumps > 0 || selected.choice == Choice::none || !exact.all_regular) return true;
+  if (selected.jumps > 0 || selected.outcome == SelectionOutcome::none || !exact.all_regular) return true;
   const auto smooth = std::count_if(exact.solutions.begin(), exact.solutions.end(), [](const ExactSolution& s) { return !s.jumps; });
-  const std::size_t counted = selected.choice == Choice::several ? selected.details->continuations.size() : 1;
+  const std::size_t counted = selected.outcome == SelectionOutcome::several ? selected.details->continuations.size() : 1;
   return counted == static_cast<std::size_t>(smooth);
 }
 
@@ -186,9 +186,9 @@ void compare_selector(std::uint64_t seed, const RandomSystem& random, const Exac
   model::Selector selector(system, model::Several::stay);
   Vector x = random.x;
   const model::Selected selected = selector.select(x.data(), model::IndexSet(k), -1);
-  if (selected.choice == Choice::found) ++tally.selected_found;
-  if (selected.choice == Choice::several) ++tally.selected_several;
-  if (selected.choice == Choice::none) ++tally.selected_none;
+  if (selected.outcome == SelectionOutcome::found) ++tally.selected_found;
+  if (selected.outcome == SelectionOutcome::several) ++tally.selected_several;
+  if (selected.outcome == SelectionOutcome::none) ++tally.selected_none;
   CHECK(counted_right(selected, exact));
   if (model::RationalProblem(system).is_uniquely_solvable(model::IndexSet(k))) {
     ++tally.certified;
@@ -196,7 +196,7 @@ void compare_selector(std::uint64_t seed, const RandomSystem& random, const Exac
     CHECK(go_on_alike(ends, selector, k));
   }
   if (confirmed(selected, x, ends, k)) return;
-  const bool has_mode = selected.choice == Choice::found || selected.choice == Choice::several;
+  const bool has_mode = selected.outcome == SelectionOutcome::found || selected.outcome == SelectionOutcome::several;
   if (has_mode && !ends.regular)
     ++tally.selected_beyond;
   else

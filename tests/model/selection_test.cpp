@@ -9,8 +9,8 @@
 
 using namespace pwlsim;
 using namespace pwlsim::test;
-using model::Choice;
 using model::Matrix;
+using model::SelectionOutcome;
 using model::Vector;
 
 namespace {
@@ -54,7 +54,7 @@ TEST_CASE("5: all 27 sign patterns of the two carts at the stop", "[hard]") {
         const double decisive = jumped != 0.0 ? jumped : x2 != 0.0 ? x2 : x4;
         const Outcome o = select(system, vector({0.0, x2, x3, x4}),
                                  set_of(1, stuck_before ? std::initializer_list<int>{0} : std::initializer_list<int>{}));
-        REQUIRE(o.selected.choice == Choice::found);
+        REQUIRE(o.selected.outcome == SelectionOutcome::found);
         CHECK((o.x - vector({0.0, x2, jumped, x4})).norm() <= tight);
         CHECK(o.selected.jumps == (x3 < 0.0 ? 1 : 0));
         CHECK(o.u[0] == Approx(decisive < 0.0 ? -x2 : 0.0).margin(tight));
@@ -67,7 +67,7 @@ TEST_CASE("5: all 27 sign patterns of the two carts at the stop", "[hard]") {
 TEST_CASE("4: a small push decides against a large pull of higher order", "[hard]") {
   const model::System system = carts();
   const Outcome o = select(system, vector({0.0, 1e-4, 0.0, -1.0}), set_of(1, {}));
-  REQUIRE(o.selected.choice == Choice::found);
+  REQUIRE(o.selected.outcome == SelectionOutcome::found);
   CHECK(o.selected.jumps == 0);
   CHECK(o.u[0] == 0.0);
   CHECK(o.x == vector({0.0, 1e-4, 0.0, -1.0}));
@@ -75,14 +75,14 @@ TEST_CASE("4: a small push decides against a large pull of higher order", "[hard
 
 TEST_CASE("3: jump in one mode, continuation in another", "[hard]") {
   const Outcome o = select(carts(), vector({0.0, 1.0, -1.0, 0.0}), set_of(1, {}));
-  REQUIRE(o.selected.choice == Choice::found);
+  REQUIRE(o.selected.outcome == SelectionOutcome::found);
   CHECK((o.x - vector({0.0, 1.0, 0.0, 0.0})).norm() <= tight);
   CHECK(o.u[0] == Approx(0.0).margin(tight));
 }
 
 TEST_CASE("6: the triple integrator jumps to zero by an impulse of higher order", "[hard]") {
   const Outcome o = select(triple_integrator(), vector({0.0, -1.0, 0.0}), set_of(1, {}));
-  REQUIRE(o.selected.choice == Choice::found);
+  REQUIRE(o.selected.outcome == SelectionOutcome::found);
   CHECK(o.x.norm() <= tight);
   CHECK(o.selected.jumps == 1);
 }
@@ -90,15 +90,15 @@ TEST_CASE("6: the triple integrator jumps to zero by an impulse of higher order"
 TEST_CASE("8, 9: a relay of the wrong sign has three ways on, of the right sign one", "[hard]") {
   const model::System wrong = relay(1.0), right = relay(-1.0);
   const Vector rest = vector({0.0, 1.0});
-  CHECK(select(wrong, rest, set_of(2, {})).selected.choice == Choice::several);
+  CHECK(select(wrong, rest, set_of(2, {})).selected.outcome == SelectionOutcome::several);
   const Outcome sliding = select(right, rest, set_of(2, {}));
-  REQUIRE(sliding.selected.choice == Choice::found);
+  REQUIRE(sliding.selected.outcome == SelectionOutcome::found);
   CHECK(sliding.u[0] == Approx(0.5));  // v = 1 − 2λ = 0
   // Away from zero there is one way for both signs.
   for (const double x : {-1.0, 1.0})
     for (const auto* system : {&wrong, &right}) {
       const Outcome o = select(*system, vector({x, 1.0}), set_of(2, {}));
-      REQUIRE(o.selected.choice == Choice::found);
+      REQUIRE(o.selected.outcome == SelectionOutcome::found);
       CHECK(o.u[0] == Approx(x > 0.0 ? 0.0 : 1.0).margin(tight));
     }
 }
@@ -109,7 +109,7 @@ TEST_CASE("8: where several ways are allowed, the previous mode goes on", "[hard
     model::Selector selector(system, model::Several::stay);
     Vector x = vector({0.0, 1.0});
     const model::Selected selected = selector.select(x.data(), before, -1);
-    REQUIRE(selected.choice == Choice::several);
+    REQUIRE(selected.outcome == SelectionOutcome::several);
     CHECK(selected.details->continuations.size() == 3);
     CHECK(selected.mode->active == before);
     model::Selector by_order(system, model::Several::first);
@@ -141,7 +141,7 @@ TEST_CASE("13: twisting decides right at every switching", "[hard]") {
   for (int i = 0; i < 20; ++i) {
     INFO("switching " << i << " at " << time << ": " << x.transpose());
     const model::Selected selected = selector.select(x.data(), before, -1);
-    REQUIRE(selected.choice == Choice::found);
+    REQUIRE(selected.outcome == SelectionOutcome::found);
     REQUIRE(selected.jumps == 0);
     before = selected.mode->active;
     const double acceleration = (system.a * x + system.b * (selected.mode->k * x))[1];
@@ -158,7 +158,7 @@ TEST_CASE("13: twisting decides right at every switching", "[hard]") {
   CHECK(time == Approx((1.0 + 2.0 / std::sqrt(3.0)) * (1.0 - 1.0 / 243.0)).epsilon(tight));  // (1/√3)¹⁰ of it is still to come
   Vector rest = vector({0.0, 0.0, 1.0});
   const model::Selected at_rest = selector.select(rest.data(), before, -1);
-  REQUIRE(at_rest.choice == Choice::found);
+  REQUIRE(at_rest.outcome == SelectionOutcome::found);
   CHECK((system.a * rest + system.b * (at_rest.mode->k * rest)).norm() <= tight);
 }
 
@@ -170,7 +170,7 @@ TEST_CASE("14: an obtuse corner", "[hard]") {
   b.bottomRows(2) << 1.0, 0.5, 0.0, s;
   c.leftCols(2) << 1.0, 0.0, 0.5, s;
   const Outcome o = select(handmade(a, b, c, Matrix::Zero(2, 2)), vector({0.0, 0.0, -1.0, 0.2}), set_of(2, {}));
-  REQUIRE(o.selected.choice == Choice::found);
+  REQUIRE(o.selected.outcome == SelectionOutcome::found);
   CHECK((o.x - vector({0.0, 0.0, 0.0, 0.2})).norm() <= tight);
 }
 
@@ -205,7 +205,7 @@ TEST_CASE("15: a support that accelerates", "[hard]") {
   c(0, 0) = 1.0;
   c(0, 2) = -1.0;
   const Outcome o = select(handmade(a, b, c, Matrix::Zero(1, 1)), vector({0.0, 0.0, 0.0, 0.0, 3.0}), set_of(1, {}));
-  REQUIRE(o.selected.choice == Choice::found);
+  REQUIRE(o.selected.outcome == SelectionOutcome::found);
   CHECK(o.selected.jumps == 0);
   CHECK(o.u[0] == Approx(1.0));
 }
@@ -216,5 +216,5 @@ TEST_CASE("34: no mode, where none exists", "[hard]") {
   c << -1.0;
   d << -1.0;
   const model::System none = handmade(a, b, c, d, {}, true);
-  CHECK(select(none, vector({1.0}), set_of(1, {})).selected.choice == Choice::none);
+  CHECK(select(none, vector({1.0}), set_of(1, {})).selected.outcome == SelectionOutcome::none);
 }

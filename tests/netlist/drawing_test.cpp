@@ -121,7 +121,7 @@ TEST_CASE("what a reader sees connected is connected in the netlist, and nothing
     for (const DrawnSheet::Line& line : sheet.wires) check(line.wire.from, line.net);
     for (const DrawnSheet::Label& label : sheet.labels) check(label.flag.at, label.net);
     const auto cards = nodes_of(drawn.text);
-    for (const DrawnSheet::Part& part : sheet.parts) {
+    for (const DrawnSheet::DrawnPart& part : sheet.parts) {
       const std::vector<std::string>& nodes = cards.at(part.element);
       REQUIRE(part.terminals.size() == nodes.size());
       for (std::size_t k = 0; k < nodes.size(); ++k) {
@@ -142,7 +142,7 @@ TEST_CASE("terminals of a schematic that LTspice drew lie at the ends of its wir
   for (const DrawnSheet::Line& line : sheet.wires) ends.insert({line.wire.from, line.wire.to});
   for (const DrawnSheet::Label& label : sheet.labels) ends.insert(label.flag.at);
   CHECK(sheet.parts.size() == 7);
-  for (const DrawnSheet::Part& part : sheet.parts)
+  for (const DrawnSheet::DrawnPart& part : sheet.parts)
     for (const DrawnSheet::Terminal& terminal : part.terminals) {
       INFO(part.name << " at " << terminal.at.x << ", " << terminal.at.y);
       CHECK(ends.contains(terminal.at));
@@ -189,7 +189,7 @@ TEST_CASE("sheets of blocks have the names of the flat circuit at each place", "
   CHECK(node(3, "in") == "X3.N001");
   CHECK(node(3, "out") == "b");
   CHECK(node(3, "Vcc") == "Vcc");
-  const DrawnSheet::Part& inner = drawn.drawing[places[1].sheet].parts.front();
+  const DrawnSheet::DrawnPart& inner = drawn.drawing[places[1].sheet].parts.front();
   REQUIRE(inner.strokes.size() == 2);
   CHECK(inner.strokes[0].kind == netlist::Stroke::Kind::rectangle);
   CHECK(inner.strokes[1].points == std::vector<GridPoint>{{-32, -16}, {32, 16}});

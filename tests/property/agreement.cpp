@@ -38,7 +38,7 @@ constexpr double in_the_middle = 0.381966;  ///< of the run, and one more window
 
 /// Norm of the stored energy.
 struct Norm {
-  std::vector<Part> parts;
+  std::vector<NetworkPart> parts;
 
   double of(const States& x) const {
     double sum = 0.0;
@@ -53,7 +53,7 @@ struct Norm {
   /// What rounding leaves of states of this size.
   double noise(double scale) const {
     States typical;
-    for (const Part& part : parts) typical.push_back(typical_state(part));
+    for (const NetworkPart& part : parts) typical.push_back(typical_state(part));
     return rounding * scale + nothing * of(typical);
   }
   double distance(const Rows& a, const Rows& b) const {
@@ -188,7 +188,7 @@ class Comparison {
   /// Edges of the sources, events of the program's run, and an instant in the middle, that no window of this length at the start holds.
   std::vector<double> later_instants(double length) {
     std::vector<double> instants = some_of(edges_of(network_, network_.stop));
-    for (const Part& part : network_.parts) {
+    for (const NetworkPart& part : network_.parts) {
       const auto own = edges_of({network_.nodes, {part}, network_.stop}, network_.stop);
       instants.insert(instants.end(), own.begin(), own.begin() + std::min<std::ptrdiff_t>(std::ssize(own), first_edges));
     }

@@ -12,7 +12,7 @@
 namespace pwlsim::test {
 namespace {
 
-using Kind = Part::Kind;
+using Kind = NetworkPart::Kind;
 
 constexpr double certificate_bound = 1e-9;  ///< relative residuals
 constexpr double agreement = 1e-9;          ///< of two runs, relative to the largest value of a signal
@@ -38,23 +38,23 @@ Finding check_certificate(const engine::Certificate& c) {
   return {Finding::Kind::fine, {}, {}, c};
 }
 
-double energy_of(const Part& state, double value) { return 0.5 * state.value * value * value; }
+double energy_of(const NetworkPart& state, double value) { return 0.5 * state.value * value * value; }
 
-double energy_of(const std::vector<Part>& states, const std::vector<double>& row) {
+double energy_of(const std::vector<NetworkPart>& states, const std::vector<double>& row) {
   double sum = 0.0;
   for (std::size_t i = 0; i < states.size(); ++i) sum += energy_of(states[i], row[i + 1]);
   return sum;
 }
 
-double energy_at_start(const std::vector<Part>& states) {
+double energy_at_start(const std::vector<NetworkPart>& states) {
   double sum = 0.0;
-  for (const Part& state : states) sum += energy_of(state, state.initial);
+  for (const NetworkPart& state : states) sum += energy_of(state, state.initial);
   return sum;
 }
 
 /// What an error of a state is measured by: the largest voltage or current of any state of its kind, but not less than a small share of
 /// what the state would be if it held all the energy there ever is: beside that it is rounding.
-std::vector<double> scales(const std::vector<Part>& states, const std::vector<std::vector<double>>& rows) {
+std::vector<double> scales(const std::vector<NetworkPart>& states, const std::vector<std::vector<double>>& rows) {
   double energy = energy_at_start(states), voltage = 0.0, current = 0.0;
   for (const auto& row : rows) {
     energy = std::max(energy, energy_of(states, row));
@@ -64,7 +64,7 @@ std::vector<double> scales(const std::vector<Part>& states, const std::vector<st
     }
   }
   std::vector<double> result;
-  for (const Part& state : states)
+  for (const NetworkPart& state : states)
     result.push_back(std::max(state.kind == Kind::capacitor ? voltage : current, small_share * std::sqrt(2.0 * energy / state.value)));
   return result;
 }

@@ -11,7 +11,7 @@
 namespace pwlsim::test {
 namespace {
 
-using Kind = Part::Kind;
+using Kind = NetworkPart::Kind;
 using Real = ResistiveNetwork::Real;
 
 constexpr Real one = 1;
@@ -54,7 +54,7 @@ double value_at(const model::SourceFunction& function, double t, double inside) 
   return std::visit([&](const auto& f) { return value_at(f, t, inside); }, function);
 }
 
-void add_edges(const Part& part, double stop, std::vector<double>& edges) {
+void add_edges(const NetworkPart& part, double stop, std::vector<double>& edges) {
   const auto* pulse = std::get_if<model::Pulse>(&part.function);
   if (pulse == nullptr) return;
   for (int n = 0; pulse->delay + n * pulse->period < stop; ++n) {
@@ -70,7 +70,7 @@ class Step {
  public:
   explicit Step(const RandomNetwork& network) : network_(network), parts_(states_of(network)) {
     frame_.nodes = network.nodes + 1;
-    for (const Part& part : network.parts)
+    for (const NetworkPart& part : network.parts)
       if (part.kind == Kind::diode) add_diode(part);
   }
 
@@ -95,7 +95,7 @@ class Step {
   double worst_difference = 0.0;  ///< between the states to which two positions lead, in the norm of energy, relative
 
  private:
-  void add_diode(const Part& part) {
+  void add_diode(const NetworkPart& part) {
     int inner = part.n;
     if (part.value > 0.0) {
       inner = frame_.nodes++;
@@ -107,7 +107,7 @@ class Step {
 
   void fill(ResistiveNetwork& step, const std::vector<double>& x, double end, Real h, double inside) const {
     std::size_t state = 0;
-    for (const Part& part : network_.parts) switch (part.kind) {
+    for (const NetworkPart& part : network_.parts) switch (part.kind) {
         case Kind::resistor:
           step.conductances.push_back({part.p, part.n, one / part.value, 0});
           break;
@@ -163,7 +163,7 @@ class Step {
   }
 
   const RandomNetwork& network_;
-  const std::vector<Part> parts_;
+  const std::vector<NetworkPart> parts_;
   ResistiveNetwork frame_;  ///< what does not change from step to step
   ResistiveNetwork::Position position_ = 0;
   int unexamined_ = 0;
@@ -171,23 +171,24 @@ class Step {
 
 }  // namespace
 
-std::vector<Part> states_of(const RandomNetwork& network) {
-  std::vector<Part> states;
-  std::copy_if(network.parts.begin(), network.parts.end(), std::back_inserter(states), [](const Part& part) { return part.is_state(); });
+std::vector<NetworkPart> states_of(const RandomNetwork& network) {
+  std::vector<NetworkPart> states;
+  std::copy_if(network.parts.begin(), network.parts.end(), std::back_inserter(states),
+               [](const NetworkPart& part) { return part.is_state(); });
   return states;
 }
 
-double typical_state(const Part& part) { return part.kind == Kind::capacitor ? typical_voltage : typical_current; }
+double typical_state(const NetworkPart& part) { return part.kind == Kind::capacitor ? typical_voltage : typical_current; }
 
 std::vector<double> initial_states(const RandomNetwork& network) {
   std::vector<double> x;
-  for (const Part& part : states_of(network)) x.push_back(part.initial);
+  for (const NetworkPart& part : states_of(network)) x.push_back(part.initial);
   return x;
 }
 
 std::vector<double> edges_of(const RandomNetwork& network, double stop) {
   std::vector<double> edges;
-  for (const Part& part : network.parts) add_edges(part, stop, edges);
+  for (const NetworkPart& part : network.parts) add_edges(part, stop, edges);
   std::sort(edges.begin(), edges.end());
   std::erase_if(edges, [&](double t) { return t <= 0.0 || t >= stop; });
   const auto same = [&](double a, double b) { return b - a <= 1e-12 * stop; };

@@ -39,8 +39,8 @@ struct Trajectory {
                                         bool examine_all);
 
 /// The voltage or current that random networks give their sources and stores at most: what rounding is a share of where a state is zero.
-[[nodiscard]] double typical_state(const Part& part);
+[[nodiscard]] double typical_state(const NetworkPart& part);
 [[nodiscard]] std::vector<double> initial_states(const RandomNetwork& network);
-[[nodiscard]] std::vector<Part> states_of(const RandomNetwork& network);
+[[nodiscard]] std::vector<NetworkPart> states_of(const RandomNetwork& network);
 
 }  // namespace pwlsim::test

@@ -21,8 +21,8 @@ constexpr double tight = 1e-9;
 /// D1=on and so on for ports picked at random.
 analysis::ModeRequest some_mode(const RandomNetwork& network, Random& random) {
   analysis::ModeRequest mode;
-  for (const Part& part : network.parts)
-    if (part.kind == Part::Kind::diode || part.kind == Part::Kind::switch_) mode.emplace_back(part.name, random.chance(0.5));
+  for (const NetworkPart& part : network.parts)
+    if (part.kind == NetworkPart::Kind::diode || part.kind == NetworkPart::Kind::switch_) mode.emplace_back(part.name, random.chance(0.5));
   return mode;
 }
 

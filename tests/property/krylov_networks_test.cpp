@@ -28,15 +28,15 @@ struct Sizes {
 };
 
 Sizes sizes_of(const RandomNetwork& network) {
-  Part capacitor, inductor;
-  capacitor.kind = Part::Kind::capacitor;
-  inductor.kind = Part::Kind::inductor;
+  NetworkPart capacitor, inductor;
+  capacitor.kind = NetworkPart::Kind::capacitor;
+  inductor.kind = NetworkPart::Kind::inductor;
   const double voltage = typical_state(capacitor), current = typical_state(inductor);
   double all = 0.0, least = 1.0;
   bool drives = false;
-  for (const Part& part : network.parts) {
-    drives |= part.kind == Part::Kind::current || part.kind == Part::Kind::inductor;
-    if ((part.kind != Part::Kind::resistor && part.kind != Part::Kind::voltage) || part.value == 0.0) continue;
+  for (const NetworkPart& part : network.parts) {
+    drives |= part.kind == NetworkPart::Kind::current || part.kind == NetworkPart::Kind::inductor;
+    if ((part.kind != NetworkPart::Kind::resistor && part.kind != NetworkPart::Kind::voltage) || part.value == 0.0) continue;
     all += part.value;
     least = std::min(least, part.value);
   }

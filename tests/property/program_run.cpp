@@ -95,8 +95,8 @@ ProgramRun run_program_segments(const model::Network& network, const std::vector
 double energy_distance(const RandomNetwork& network, const ProgramRun& a, const ProgramRun& b, LeastStates least) {
   const auto states = states_of(network);
   double largest = 0.0, farthest = 0.0;
-  for (const Part& state : states) {
-    const double smallest = state.kind == Part::Kind::capacitor ? least.voltage : least.current;
+  for (const NetworkPart& state : states) {
+    const double smallest = state.kind == NetworkPart::Kind::capacitor ? least.voltage : least.current;
     largest += state.value * (state.initial * state.initial + smallest * smallest);
   }
   for (std::size_t k = 0; k < a.rows.size(); ++k) {

@@ -12,7 +12,7 @@
 namespace pwlsim::test {
 namespace {
 
-using Kind = Part::Kind;
+using Kind = NetworkPart::Kind;
 
 // Units in which the middle of every range is one: 1 kΩ, 1 ms, 10 V.
 constexpr double resistance_unit = 1e3, time_unit = 1e-3, voltage_unit = 10.0;
@@ -32,12 +32,12 @@ class Sets {
   std::vector<int> parent_;
 };
 
-bool is_stiff_voltage(const Part& part) { return part.kind == Kind::voltage && part.value == 0.0; }
+bool is_stiff_voltage(const NetworkPart& part) { return part.kind == Kind::voltage && part.value == 0.0; }
 
 /// A voltage source without resistance whose ends parts of no resistance join.
-bool is_in_rigid_loop(const RandomNetwork& network, const Part& source) {
+bool is_in_rigid_loop(const RandomNetwork& network, const NetworkPart& source) {
   Sets sets(network.nodes + 1);
-  for (const Part& part : network.parts) {
+  for (const NetworkPart& part : network.parts) {
     const bool rigid = part.kind == Kind::diode || part.kind == Kind::switch_ || is_stiff_voltage(part);
     if (&part != &source && rigid) sets.join(part.p, part.n);
   }
@@ -45,9 +45,9 @@ bool is_in_rigid_loop(const RandomNetwork& network, const Part& source) {
 }
 
 /// A current source whose current has no way round that is open to both directions.
-bool has_no_return(const RandomNetwork& network, const Part& source) {
+bool has_no_return(const RandomNetwork& network, const NetworkPart& source) {
   Sets sets(network.nodes + 1);
-  for (const Part& part : network.parts)
+  for (const NetworkPart& part : network.parts)
     if (part.kind != Kind::diode && part.kind != Kind::switch_ && part.kind != Kind::current) sets.join(part.p, part.n);
   return sets.find(source.p) != sets.find(source.n);
 }
@@ -105,14 +105,14 @@ class Generator {
 
   int count(Kind kind) const {
     return static_cast<int>(
-        std::count_if(network_.parts.begin(), network_.parts.end(), [&](const Part& part) { return part.kind == kind; }));
+        std::count_if(network_.parts.begin(), network_.parts.end(), [&](const NetworkPart& part) { return part.kind == kind; }));
   }
 
   double spread_value(double unit) { return rounded(unit * std::pow(10.0, random_.between(-recipe_.spread, recipe_.spread))); }
 
   void add(Kind kind, int p, int n) {
     static constexpr const char* letters = "RCLDSVI";
-    Part part;
+    NetworkPart part;
     part.kind = kind;
     part.name = letters[static_cast<int>(kind)] + std::to_string(count(kind) + 1);
     part.p = p;
@@ -150,7 +150,7 @@ class Generator {
     network_.parts.push_back(std::move(part));
   }
 
-  void set_source(Part& part, double unit) {
+  void set_source(NetworkPart& part, double unit) {
     const double level = rounded(random_.between(-unit, unit));
     const double other = rounded(random_.between(-unit, unit));
     const double choice = random_.unit();
@@ -171,7 +171,7 @@ class Generator {
 
   double frequency() { return rounded(slowest_ * std::pow(10.0, random_.between(0.0, 0.7))); }
 
-  void set_pulse(Part& part, double low, double high) {
+  void set_pulse(NetworkPart& part, double low, double high) {
     model::Pulse pulse;
     pulse.initial = low;
     pulse.pulsed = high;
@@ -185,10 +185,10 @@ class Generator {
 
   /// Gives resistance to the sources that need it.
   void soften_sources() {
-    for (Part& part : network_.parts)
+    for (NetworkPart& part : network_.parts)
       if (is_stiff_voltage(part) && is_in_rigid_loop(network_, part)) part.value = spread_value(resistance_unit);
     std::vector<std::pair<int, int>> stranded;
-    for (const Part& part : network_.parts)
+    for (const NetworkPart& part : network_.parts)
       if (part.kind == Kind::current && has_no_return(network_, part)) stranded.emplace_back(part.p, part.n);
     for (const auto& [p, n] : stranded) add(Kind::resistor, p, n);
   }
@@ -215,7 +215,7 @@ class Emitter {
   model::NodeIndex node(int number) { return number == 0 ? model::ground : builder_.node(fmt::format("n{}", number)); }
 
   void emit(std::size_t index) {
-    const Part& part = network_.parts[index];
+    const NetworkPart& part = network_.parts[index];
     const model::Label label{part.name, {}};
     const auto p = node(part.p), n = node(part.n);
     switch (part.kind) {
@@ -251,7 +251,7 @@ class Emitter {
     }
   }
 
-  void emit_switch(const Part& part, model::NodeIndex p, model::NodeIndex n) {
+  void emit_switch(const NetworkPart& part, model::NodeIndex p, model::NodeIndex n) {
     const auto gate = builder_.node("g" + part.name);
     const model::Label clock{"VG" + part.name, {}};
     const int source = builder_.add(model::Source{clock, part.function});
@@ -266,7 +266,7 @@ class Emitter {
   }
 
   void save(std::size_t index) {
-    const Part& part = network_.parts[index];
+    const NetworkPart& part = network_.parts[index];
     if (part.kind == Kind::capacitor)
       builder_.add(model::Signal{"v(" + part.name + ")", model::voltage_between(node(part.p), node(part.n))});
     if (part.kind == Kind::inductor)
@@ -289,13 +289,14 @@ std::string node_text(int node) { return node == 0 ? "0" : fmt::format("n{}", no
 }  // namespace
 
 bool RandomNetwork::has_sources() const {
-  return std::any_of(parts.begin(), parts.end(), [](const Part& part) { return part.kind == Kind::voltage || part.kind == Kind::current; });
+  return std::any_of(parts.begin(), parts.end(),
+                     [](const NetworkPart& part) { return part.kind == Kind::voltage || part.kind == Kind::current; });
 }
 
 RandomNetwork make_random_network(std::uint64_t seed, const Recipe& recipe) { return Generator(seed, recipe).run(); }
 
 bool sources_can_be_met(const RandomNetwork& network) {
-  return std::none_of(network.parts.begin(), network.parts.end(), [&](const Part& part) {
+  return std::none_of(network.parts.begin(), network.parts.end(), [&](const NetworkPart& part) {
     return (is_stiff_voltage(part) && is_in_rigid_loop(network, part)) || (part.kind == Kind::current && has_no_return(network, part));
   });
 }
@@ -311,7 +312,7 @@ model::Network to_model(const RandomNetwork& network) {
 std::string to_deck(const RandomNetwork& network) {
   std::string deck = "random network\n";
   std::string saved;
-  for (const Part& part : network.parts) {
+  for (const NetworkPart& part : network.parts) {
     const std::string head = fmt::format("{} {} {}", part.name, node_text(part.p), node_text(part.n));
     switch (part.kind) {
       case Kind::resistor:

@@ -17,7 +17,7 @@
 
 namespace pwlsim::test {
 
-struct Part {
+struct NetworkPart {
   enum class Kind { resistor, capacitor, inductor, diode, switch_, voltage, current };
   Kind kind = Kind::resistor;
   std::string name;
@@ -33,7 +33,7 @@ struct Part {
 
 struct RandomNetwork {
   int nodes = 0;  ///< without ground
-  std::vector<Part> parts;
+  std::vector<NetworkPart> parts;
   double stop = 0.0;  ///< s
 
   [[nodiscard]] bool has_sources() const;

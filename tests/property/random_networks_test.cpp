@@ -43,7 +43,7 @@ double largest_relative_change(const RandomNetwork& network, const RandomNetwork
   double largest[2] = {0.0, 0.0}, change[2] = {0.0, 0.0};
   for (std::size_t k = 0; k < times.size(); ++k)
     for (std::size_t i = 0; i < states.size(); ++i) {
-      const int unit = states[i].kind == Part::Kind::capacitor ? 0 : 1;
+      const int unit = states[i].kind == NetworkPart::Kind::capacitor ? 0 : 1;
       largest[unit] = std::max(largest[unit], std::abs(rows[k][i + 1]));
       change[unit] = std::max(change[unit], std::abs(rows[k][i + 1] - others[k][i + 1]));
     }

@@ -63,8 +63,8 @@ Family twelve_ports() {
 }
 
 int ports_of(const RandomNetwork& network) {
-  return static_cast<int>(std::count_if(network.parts.begin(), network.parts.end(), [](const Part& part) {
-    return part.kind == Part::Kind::diode || part.kind == Part::Kind::switch_;
+  return static_cast<int>(std::count_if(network.parts.begin(), network.parts.end(), [](const NetworkPart& part) {
+    return part.kind == NetworkPart::Kind::diode || part.kind == NetworkPart::Kind::switch_;
   }));
 }
 

@@ -250,18 +250,18 @@ void DeckElements::block(DeckScope& scope) {
 }
 
 void DeckElements::library_part(DeckScope& scope) {
-  struct Part {
+  struct DrawnElement {
     const char* name;
     int nodes;
     const char* parameters;
   };
-  static const std::vector<Part> parts{{"mosfet", 3, "ron=10m|vth=1|vh=0.1|vf=0.7|rd=1m"},
-                                       {"igbt", 3, "ron=10m|vce=0.7|vth=5|vf=1|rd=10m"},
-                                       {"thyristor", 3, "ron=1m|vf=0.8|vgt=1|ih=10m"},
-                                       {"opamp", 3, "aol=1e5|gbw=1Meg|vmax=15|vmin=-15"},
-                                       {"opamp5", 5, "aol=1e4|gbw=10k"},
-                                       {"xfmr", 4, "n=3"}};
-  const Part& part = random_.one_of(parts);
+  static const std::vector<DrawnElement> parts{{"mosfet", 3, "ron=10m|vth=1|vh=0.1|vf=0.7|rd=1m"},
+                                               {"igbt", 3, "ron=10m|vce=0.7|vth=5|vf=1|rd=10m"},
+                                               {"thyristor", 3, "ron=1m|vf=0.8|vgt=1|ih=10m"},
+                                               {"opamp", 3, "aol=1e5|gbw=1Meg|vmax=15|vmin=-15"},
+                                               {"opamp5", 5, "aol=1e4|gbw=10k"},
+                                               {"xfmr", 4, "n=3"}};
+  const DrawnElement& part = random_.one_of(parts);
   std::string text = name(scope, 'X');
   // The last node is the output of an amplifier.
   for (int count = part.nodes; count > 0; --count) text += " " + (count == 1 ? output_nodes(scope, true).first : formulas_.node(scope));

@@ -31,7 +31,7 @@ constexpr std::array<const char*, 12> stage_names{"buck",        "boost",       
                                                   "half bridge", "full bridge", "interleaved",      "flyback",           "forward",
                                                   "SEPIC",       "power factor"};
 
-enum class Control {
+enum class LoopControl {
   peak,
   valley,
   current_band,
@@ -52,7 +52,7 @@ constexpr std::array<const char*, 12> control_names{"peak current", "valley curr
 /// What a seed decides; the way in which it is written decides nothing of it.
 struct Plan {
   Stage stage = Stage::buck;
-  Control control = Control::peak;
+  LoopControl control = LoopControl::peak;
   std::string switch_on, switch_off, diode_on, diode_off, drop, ramp, coupling;
   double inductance = 0.0, capacitance = 0.0, load = 0.0, series = 0.0, period = 0.0, target = 0.0;
   bool snubber = false, dead_time = false, body_diodes = false, slope = false, winding = false, rises = false, load_steps = false,
@@ -71,8 +71,8 @@ struct Plan {
 
 constexpr double input = 12.0;
 
-Control draw_control(Random& random, Stage stage) {
-  using enum Control;
+LoopControl draw_control(Random& random, Stage stage) {
+  using enum LoopControl;
   switch (stage) {
     case Stage::half_bridge:
     case Stage::full_bridge:
@@ -116,7 +116,7 @@ Plan draw_plan(std::uint64_t seed) {
   plan.load = std::max(random.one_of(std::array{0.5, 1.0, 2.5, 5.0, 20.0, 100.0}), least_load(plan.stage));
   // A band of the voltage needs a ripple that follows the current.
   plan.series =
-      plan.control == Control::voltage_band ? random.one_of(std::array{0.05, 0.1}) : random.one_of(std::array{0.0, 5e-3, 20e-3, 0.1});
+      plan.control == LoopControl::voltage_band ? random.one_of(std::array{0.05, 0.1}) : random.one_of(std::array{0.0, 5e-3, 20e-3, 0.1});
   plan.period = 1.0 / random.one_of(std::array{50e3, 100e3, 200e3});
   plan.target = input * random.between(0.3, 0.9) * (plan.steps_down() || plan.inverting() ? 1.0 : 1.5);
   plan.snubber = random.chance(0.25);
@@ -315,7 +315,7 @@ void Writer::load() {
 }
 
 void Writer::control(int leg) {
-  using enum Control;
+  using enum LoopControl;
   switch (plan_.control) {
     case peak:
     case valley:
@@ -346,7 +346,7 @@ void Writer::clocked(int leg) {
                     passed = fmt::format("cm{}", leg), out = fmt::format("d{}", leg);
   card("B{0} {0} 0 V=i(L{1})", current, leg + 1);
   clock(tick, delay, 0.03 * period, period);
-  if (plan_.control == Control::valley) {
+  if (plan_.control == LoopControl::valley) {
     level(bound.c_str(), mean_current() - ripple());
     comparison(bound, current, passed);
     latch(passed, tick, out);
@@ -363,7 +363,7 @@ void Writer::clocked(int leg) {
 
 /// A signal between two bounds: a trigger with hysteresis, a switch with one, or two comparisons and a latch.
 void Writer::banded() {
-  const bool of_current = plan_.control == Control::current_band;
+  const bool of_current = plan_.control == LoopControl::current_band;
   const double half = of_current ? ripple() : 0.01 * plan_.target;
   if (of_current) sense();
   const std::string signal = of_current ? "is0" : "fb";
@@ -397,12 +397,12 @@ void Writer::timed() {
   level("rf", mean_current() + ripple());
   comparison("is0", "rf", "cr");
   switch (plan_.control) {
-    case Control::constant_off:
+    case LoopControl::constant_off:
       inverter("d0", "nd0");
       card("Adl nd0 0 0 0 0 0 cs 0 BUF Td={:g}", 0.4 * period);
       latch("cs", "cr", "d0");
       break;
-    case Control::boundary:
+    case LoopControl::boundary:
       switch (spelling(3)) {
         case 0:
           card("Bcs cs 0 V={{if(v(is0)<=0,1,0)}}");
@@ -416,7 +416,7 @@ void Writer::timed() {
       }
       latch("cs", "cr", "d0");
       break;
-    case Control::longest_duty:
+    case LoopControl::longest_duty:
       clock("ck", 0.1 * period, 0.01 * period, period);
       clock("dm", 0.7 * period, 0.2 * period, period);
       card("Aor cr dm 0 0 0 0 rs 0 OR");
@@ -447,14 +447,14 @@ void Writer::pulse_width(int leg) {
 
 void Writer::voltage_controlled() {
   const double period = plan_.period;
-  if (plan_.control == Control::toggle) {
+  if (plan_.control == LoopControl::toggle) {
     clock("ck", 0.1 * period, 0.125 * period, 0.5 * period);
     inverter("d0", "dn0");
     card("Adf dn0 0 ck 0 0 0 d0 0 DFLOP");
     return;
   }
   level("rf", plan_.target);
-  if (plan_.control == Control::bursts) {
+  if (plan_.control == LoopControl::bursts) {
     card("Ah rf fb 0 0 0 0 en 0 DIFFSCHMITT Vt=0 Vh={:g}", 0.02 * plan_.target);
     clock("ck", 0.1 * period, 0.35 * period, period);
     card("Aan en ck 0 0 0 0 d0 0 AND");

@@ -58,7 +58,7 @@ TEST_CASE("what Siconos finds by enumeration or by Lemke's method, the driver fi
     const Matrix m = problems.matrix(random, k);
     const Vector q = problems.right(random, m);
     const Theirs theirs = solve_by_siconos(solver, m, q);
-    const lcp::Answer ours = lcp::solve(m, q);
+    const lcp::AssessedSolution ours = lcp::solve(m, q);
     if (theirs.solved) ++solved;
     if (theirs.solved && (problems.promised & by_lemke) != 0) REQUIRE(ours.status == lcp::Status::solved);
     // Where bases are singular its enumeration may pass over the solution.

@@ -62,7 +62,7 @@ Kind coupling() {
   kind.usage = "K<name> L1 L2 [L3 ...] k";
   kind.text = "Magnetic coupling of two or more inductors, M = k sqrt(La Lb) for every pair.";
   kind.terminals = 0;
-  kind.control = Control::element_list;
+  kind.control = ControlSyntax::element_list;
   kind.parameters = parameters;
   kind.has_current = false;
   kind.controls_others = false;

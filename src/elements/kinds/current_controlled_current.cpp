@@ -24,9 +24,11 @@ Kind current_controlled_current() {
   Kind kind;
   kind.name = "current-controlled current source";
   kind.letter = 'F';
-  kind.usage = "F<name> n+ n- element gain | POLY(n) element1 ... p0 p1 ... pn | value={expression} | TABLE {x} = (x1,y1) (x2,y2) ... | Laplace=fraction";
+  kind.usage =
+      "F<name> n+ n- element gain | POLY(n) element1 ... p0 p1 ... pn | value={expression} | TABLE {x} = (x1,y1) (x2,y2) ... | "
+      "Laplace=fraction";
   kind.text = "i = gain i(element), or p0 + p1 i1 + ... + pn in, or an expression as for B.";
-  kind.control = Control::element;
+  kind.control = ControlSyntax::element;
   kind.tail = Tail::gain;
   kind.controls_others = false;
   kind.joins_terminals = [](const Instance&) { return false; };

@@ -24,9 +24,11 @@ Kind current_controlled_voltage() {
   Kind kind;
   kind.name = "current-controlled voltage source";
   kind.letter = 'H';
-  kind.usage = "H<name> n+ n- element gain | POLY(n) element1 ... p0 p1 ... pn | value={expression} | TABLE {x} = (x1,y1) (x2,y2) ... | Laplace=fraction";
+  kind.usage =
+      "H<name> n+ n- element gain | POLY(n) element1 ... p0 p1 ... pn | value={expression} | TABLE {x} = (x1,y1) (x2,y2) ... | "
+      "Laplace=fraction";
   kind.text = "v = gain i(element), or p0 + p1 i1 + ... + pn in, or an expression as for B.";
-  kind.control = Control::element;
+  kind.control = ControlSyntax::element;
   kind.tail = Tail::gain;
   kind.saved_by_default = true;
   kind.emit = emit;

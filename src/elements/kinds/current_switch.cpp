@@ -62,7 +62,7 @@ Kind current_switch() {
   kind.letter = 'W';
   kind.usage = "W<name> n+ n- element model [on|off]";
   kind.text = "Switch driven by i(element).";
-  kind.control = Control::element;
+  kind.control = ControlSyntax::element;
   kind.tail = Tail::model;
   kind.models = models;
   kind.takes_flag = true;

@@ -23,9 +23,11 @@ Kind voltage_controlled_voltage() {
   Kind kind;
   kind.name = "voltage-controlled voltage source";
   kind.letter = 'E';
-  kind.usage = "E<name> n+ n- nc+ nc- gain | POLY(n) nc1+ nc1- ... p0 p1 ... pn | value={expression} | TABLE {x} = (x1,y1) (x2,y2) ... | Laplace=fraction";
+  kind.usage =
+      "E<name> n+ n- nc+ nc- gain | POLY(n) nc1+ nc1- ... p0 p1 ... pn | value={expression} | TABLE {x} = (x1,y1) (x2,y2) ... | "
+      "Laplace=fraction";
   kind.text = "v = gain v(nc+,nc-), or p0 + p1 v1 + ... + pn vn, or an expression as for B.";
-  kind.control = Control::node_pair;
+  kind.control = ControlSyntax::node_pair;
   kind.tail = Tail::gain;
   kind.saved_by_default = true;
   kind.emit = emit;

@@ -73,7 +73,7 @@ Kind voltage_switch() {
   kind.letter = 'S';
   kind.usage = "S<name> n+ n- nc+ nc- model [on|off]";
   kind.text = "Switch driven by v(nc+,nc-).";
-  kind.control = Control::node_pair;
+  kind.control = ControlSyntax::node_pair;
   kind.tail = Tail::model;
   kind.models = models;
   kind.takes_flag = true;

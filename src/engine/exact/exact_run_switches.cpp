@@ -56,8 +56,8 @@ bool ExactRun::selects(IslandRun& island, Instant& instant) {
   const model::Selected& selected = island.select();
   instant.jumps += selected.jumps;
   recorders_.selected(at(island, instant.time), selected);
-  if (selected.choice == model::Choice::found) return true;
-  if (selected.choice != model::Choice::several || request_.non_unique == NonUnique::error) return false;
+  if (selected.outcome == model::SelectionOutcome::found) return true;
+  if (selected.outcome != model::SelectionOutcome::several || request_.non_unique == NonUnique::error) return false;
   note_several(island, selected, instant.time);
   return true;
 }

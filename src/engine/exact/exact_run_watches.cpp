@@ -173,7 +173,7 @@ std::string advice_of(const IslandRun& island) {
 }  // namespace
 
 void ExactRun::fail_selection(const IslandRun& island, const model::Selected& selected, double time) {
-  if (selected.choice == model::Choice::several) {
+  if (selected.outcome == model::SelectionOutcome::several) {
     const std::vector<std::string> names = differing_elements(island.system(), selected.details->continuations);
     fail(Outcome::not_unique, "E-not-unique",
          fmt::format("the solution is not unique at t = {} s: {} may continue in {} ways; {}", time, fmt::join(names, ", "),
@@ -188,7 +188,7 @@ void ExactRun::fail_selection(const IslandRun& island, const model::Selected& se
                             "precision; try larger capacitors and inductors there, or leave them out",
                             time, island.system().name),
                 {});
-  const bool jumps = selected.choice == model::Choice::too_many_jumps;
+  const bool jumps = selected.outcome == model::SelectionOutcome::too_many_jumps;
   fail(Outcome::no_solution, jumps ? "E-jump-cycle" : "E-no-solution",
        fmt::format("{} at t = {} s in the part with {}; try a small resistor in its loops of sources, capacitors and closed switches",
                    jumps ? "the state keeps jumping" : "no solution continues", time, fmt::join(names, ", ")),

@@ -24,9 +24,9 @@ void JumpRecorder::add(std::size_t island, const model::Selected& selected) {
   open.higher_order |= selected.details->higher_order;
 }
 
-std::vector<Jump::Impulse> JumpRecorder::impulses(std::size_t island, const Open& open) const {
+std::vector<Jump::PortImpulse> JumpRecorder::impulses(std::size_t island, const Open& open) const {
   const model::System& system = islands_[island].extraction.system;
-  std::vector<Jump::Impulse> result;
+  std::vector<Jump::PortImpulse> result;
   const double largest = open.impulse.cwiseAbs().maxCoeff();
   for (int i = 0; i < system.ports; ++i) {
     const model::Port& port = system.port[static_cast<std::size_t>(i)];

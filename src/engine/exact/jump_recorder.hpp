@@ -33,7 +33,7 @@ class JumpRecorder : public Recorder {
     model::Vector impulse;  ///< empty: no jump
     bool higher_order = false;
   };
-  [[nodiscard]] std::vector<Jump::Impulse> impulses(std::size_t island, const Open& open) const;
+  [[nodiscard]] std::vector<Jump::PortImpulse> impulses(std::size_t island, const Open& open) const;
 
   const std::vector<IslandModel>& islands_;
   std::vector<Open> before_;

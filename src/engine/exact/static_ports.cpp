@@ -35,7 +35,7 @@ lcp::Solution solution_of(const WideMatrix& m, const WideVector& q) {
   lcp::Solution solution = lcp::lemke_wide(scaled, scaled_q);
   if (solution.status != lcp::Status::solved) {
     // Of a problem in no class of Lemke's.
-    const lcp::Answer answer = lcp::solve(scaled.cast<double>(), scaled_q.cast<double>());
+    const lcp::AssessedSolution answer = lcp::solve(scaled.cast<double>(), scaled_q.cast<double>());
     solution = {answer.status, answer.z, answer.w, answer.basis, answer.pivots};
   }
   solution.z = scale.asDiagonal() * solution.z;

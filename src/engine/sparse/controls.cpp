@@ -6,16 +6,16 @@
 
 namespace pwlsim::engine::sparse {
 
-double Control::level_size() const { return std::max({std::abs(on_level), std::abs(off_level), on_level - off_level}); }
+double WatchedControl::level_size() const { return std::max({std::abs(on_level), std::abs(off_level), on_level - off_level}); }
 
-double Control::rounding(double largest_unknown) const {
+double WatchedControl::rounding(double largest_unknown) const {
   double gain = 0.0;
-  for (const Form::Part& part : value.z) gain = std::max(gain, std::abs(part.coefficient));
+  for (const Form::IndexedTerm& part : value.z) gain = std::max(gain, std::abs(part.coefficient));
   return tolerance::voltage_rounding * gain * largest_unknown;
 }
 
-std::vector<Control> controls_of(const model::Network& network, const Descriptor& descriptor) {
-  std::vector<Control> controls;
+std::vector<WatchedControl> controls_of(const model::Network& network, const Descriptor& descriptor) {
+  std::vector<WatchedControl> controls;
   for (std::size_t i = 0; i < network.switches.size(); ++i) {
     const auto& s = network.switches[i];
     controls.push_back(

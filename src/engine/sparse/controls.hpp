@@ -8,7 +8,7 @@
 
 namespace pwlsim::engine::sparse {
 
-struct Control {
+struct WatchedControl {
   std::size_t port = 0;  ///< of the switch
   Form value;            ///< SI units
   double on_level = 0.0, off_level = 0.0;
@@ -32,7 +32,7 @@ struct Control {
   [[nodiscard]] double rounding(double largest_unknown) const;
 };
 
-[[nodiscard]] std::vector<Control> controls_of(const model::Network& network, const Descriptor& descriptor);
+[[nodiscard]] std::vector<WatchedControl> controls_of(const model::Network& network, const Descriptor& descriptor);
 
 /// The start position of all ports: diodes off, switches as their elements say.
 [[nodiscard]] Position first_position(const model::Network& network, const Descriptor& descriptor);

@@ -33,20 +33,20 @@ using Position = std::vector<char>;
 
 /// value = Σ z-terms + Σ w-terms + constant.
 struct Form {
-  struct Part {
+  struct IndexedTerm {
     int index;
     double coefficient;
   };
-  std::vector<Part> z, w;
+  std::vector<IndexedTerm> z, w;
   double constant = 0.0;
 
-  [[nodiscard]] static double sum(const std::vector<Part>& parts, const double* x, double start = 0.0) {
-    for (const Part& part : parts) start += part.coefficient * x[part.index];
+  [[nodiscard]] static double sum(const std::vector<IndexedTerm>& parts, const double* x, double start = 0.0) {
+    for (const IndexedTerm& part : parts) start += part.coefficient * x[part.index];
     return start;
   }
-  [[nodiscard]] static double size_of(const std::vector<Part>& parts, const double* x) {
+  [[nodiscard]] static double size_of(const std::vector<IndexedTerm>& parts, const double* x) {
     double size = 0.0;
-    for (const Part& part : parts) size += std::abs(part.coefficient * x[part.index]);
+    for (const IndexedTerm& part : parts) size += std::abs(part.coefficient * x[part.index]);
     return size;
   }
   [[nodiscard]] double value(const double* unknowns, const double* sources) const { return sum(w, sources, sum(z, unknowns, constant)); }
@@ -56,7 +56,7 @@ struct Form {
   }
 };
 
-struct Port {
+struct DescriptorPort {
   std::string name;
   int row = 0;  ///< its closing row, and the column of its input
   Form slack;   ///< volts
@@ -80,9 +80,9 @@ struct Port {
 struct State {
   int plus = -1, minus = -1;
   bool is_current = false;
-  double storage = 0.0;               ///< capacitance, or inductance without its couplings
-  std::vector<Form::Part> current{};  ///< of a coupled inductor
-  std::vector<Form::Part> flux{};     ///< of a perfectly coupled inductor: its flux over its inductance
+  double storage = 0.0;                      ///< capacitance, or inductance without its couplings
+  std::vector<Form::IndexedTerm> current{};  ///< of a coupled inductor
+  std::vector<Form::IndexedTerm> flux{};     ///< of a perfectly coupled inductor: its flux over its inductance
   /// What errors are measured in: the value, but the flux of a perfectly coupled inductor, whose current is no state of its own.
   [[nodiscard]] double measure(const double* z) const { return flux.empty() ? value(z) : Form::sum(flux, z); }
   [[nodiscard]] double value(const double* z) const {
@@ -109,7 +109,7 @@ class Descriptor {
   /// Times R0: s.
   [[nodiscard]] double largest_capacitance() const { return largest_capacitance_; }
   [[nodiscard]] const linalg::SparsePattern& pattern() const { return pattern_; }
-  [[nodiscard]] const std::vector<Port>& ports() const { return ports_; }
+  [[nodiscard]] const std::vector<DescriptorPort>& ports() const { return ports_; }
   /// Diodes that no switch enables go off.
   void hold_blocked(Position& on) const {
     for (const int i : valves_)
@@ -222,7 +222,7 @@ class Descriptor {
   std::vector<int> port_entries_, port_of_entry_;  ///< entries of closing rows, and whose they are
   std::vector<SourceEntry> sources_;
   std::vector<double> constant_;
-  std::vector<Port> ports_;
+  std::vector<DescriptorPort> ports_;
   std::vector<double> conductance_at_port_;
   std::vector<State> states_;
 };

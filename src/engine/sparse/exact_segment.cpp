@@ -56,8 +56,8 @@ double largest_error(const std::vector<KrylovSpace::Checkpoint>& points) {
 
 }  // namespace
 
-ExactSegment::ExactSegment(const Descriptor& descriptor, const Sources& sources, const std::vector<Control>& controls, double tolerance,
-                           double stop)
+ExactSegment::ExactSegment(const Descriptor& descriptor, const Sources& sources, const std::vector<WatchedControl>& controls,
+                           double tolerance, double stop)
     : descriptor_(descriptor),
       sources_(sources),
       controls_(controls),
@@ -76,7 +76,7 @@ void ExactSegment::find_parallel_ports() {
     const Form& slack = ports[i].slack;
     const bool is_ideal =
         slack.constant == 0.0 && slack.w.empty() &&
-        std::all_of(slack.z.begin(), slack.z.end(), [&](const Form::Part& part) { return part.index < descriptor_.nodes(); });
+        std::all_of(slack.z.begin(), slack.z.end(), [&](const Form::IndexedTerm& part) { return part.index < descriptor_.nodes(); });
     if (is_ideal && ports[i].p != ports[i].n) across[std::minmax(ports[i].p, ports[i].n)].push_back(static_cast<int>(i));
   }
   beside_.resize(ports.size());

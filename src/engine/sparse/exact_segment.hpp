@@ -17,7 +17,8 @@ namespace pwlsim::engine::sparse {
 class ExactSegment {
  public:
   /// All must outlive it. `tolerance`: bound on the estimated error of a segment, of the largest √energy so far.
-  ExactSegment(const Descriptor& descriptor, const Sources& sources, const std::vector<Control>& controls, double tolerance, double stop);
+  ExactSegment(const Descriptor& descriptor, const Sources& sources, const std::vector<WatchedControl>& controls, double tolerance,
+               double stop);
   /// From now on signs of currents count beyond so many times their ordinary rounding, and guards that are positive by less than theirs are so until they
   /// are seen to pass.
   void relax(double factor, bool takes_positive) {
@@ -161,13 +162,13 @@ class ExactSegment {
   void bound_guards();
   void note_rounding();
   [[nodiscard]] double terms_of(int row) const;
-  [[nodiscard]] double rounding_size(const Control& control) const;
+  [[nodiscard]] double rounding_size(const WatchedControl& control) const;
   void judge_start();
   [[nodiscard]] double rounding_of(int row) const;
 
   const Descriptor& descriptor_;
   const Sources& sources_;
-  const std::vector<Control>& controls_;
+  const std::vector<WatchedControl>& controls_;
   double tolerance_, stop_, least_voltage_ = 0.0, jump_voltage_ = 0.0, relaxation_ = 1.0, share_ = 1.0;
   KrylovSpace space_;
   double start_ = 0.0, length_ = 0.0, peak_ = 0.0, worst_ = 0.0, estimate_ = 0.0, expected_ = 0.0, size_ = 0.0;

@@ -23,7 +23,7 @@ void ExactSegment::take_guards(const Position& on) {
   std::vector<KrylovSpace::Reading> values(ports + controls_.size());
   segment_.rows.clear();
   for (std::size_t i = 0; i < ports; ++i) {
-    const Port& port = descriptor_.ports()[i];
+    const DescriptorPort& port = descriptor_.ports()[i];
     if (port.blocks(on)) continue;
     if (on[i] != 0)
       values[i].unknown = port.row;
@@ -32,7 +32,7 @@ void ExactSegment::take_guards(const Position& on) {
     segment_.rows.push_back(static_cast<int>(i));
   }
   for (std::size_t i = 0; i < controls_.size(); ++i) {
-    const Control& control = controls_[i];
+    const WatchedControl& control = controls_[i];
     const bool holds = control.holds(on);
     values[ports + i] = {&control.value, -1, holds ? 1.0 : -1.0, holds ? -control.off_level : control.on_level};
   }
@@ -130,9 +130,9 @@ double ExactSegment::terms_of(int row) const {
 }
 
 /// Of a control: its levels, and the terms of its form.
-double ExactSegment::rounding_size(const Control& control) const {
+double ExactSegment::rounding_size(const WatchedControl& control) const {
   double size = std::max(control.level_size(), control.largest);
-  for (const Form::Part& part : control.value.z) size = std::max(size, std::abs(part.coefficient) * voltage_);
+  for (const Form::IndexedTerm& part : control.value.z) size = std::max(size, std::abs(part.coefficient) * voltage_);
   return size;
 }
 

@@ -252,7 +252,7 @@ double Factors::backward_error(const Factor& factor) const {
     return factor.flipped(i).response(factor.flipped_on_[i] == 0, z.data());
   };
   for (std::size_t i = 0; i < factor.flips_.size(); ++i) {
-    const Port& port = factor.flipped(i);
+    const DescriptorPort& port = factor.flipped(i);
     const auto row = static_cast<std::size_t>(port.row);
     right[row] = closing_row(i, base.known);
     size[row] = std::abs(right[row]) + (factor.flipped_on_[i] != 0 ? Form::size_of(port.slack.z, base.known.data()) : std::abs(right[row]));

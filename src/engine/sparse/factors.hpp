@@ -39,7 +39,7 @@ class Factor {
  private:
   friend class Factors;
   void solve_base(std::vector<double>& r) const;
-  [[nodiscard]] const Port& flipped(std::size_t i) const { return descriptor_->ports()[static_cast<std::size_t>(flips_[i])]; }
+  [[nodiscard]] const DescriptorPort& flipped(std::size_t i) const { return descriptor_->ports()[static_cast<std::size_t>(flips_[i])]; }
 
   const Descriptor* descriptor_ = nullptr;
   std::shared_ptr<linalg::KluFactor> klu_;

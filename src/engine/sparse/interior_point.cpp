@@ -80,7 +80,7 @@ void InteriorPoint::take_residuals(const Stage& stage, const Position& on) {
   linalg::multiply(descriptor_.pattern(), values_, step_.data(), residual_.data());
   for (std::size_t i = 0; i < n; ++i) residual_[i] = stage.right[i] - residual_[i];
   for (std::size_t i = 0; i < on.size(); ++i) {
-    const Port& port = descriptor_.ports()[i];
+    const DescriptorPort& port = descriptor_.ports()[i];
     const auto row = static_cast<std::size_t>(port.row);
     residual_[row] = is_free(i) ? 0.0 : -stage.free_variable(port, on[i] == 0, z_.data());
     if (!is_free(i)) continue;
@@ -103,7 +103,7 @@ void InteriorPoint::direction(double target, bool corrected) {
   for (std::size_t i = static_cast<std::size_t>(descriptor_.nodes()); i < move_.size(); ++i) move_[i] *= unit_;
   for (std::size_t i = 0; i < u_.size(); ++i) {
     if (is_free_[i] == 0) continue;
-    const Port& port = descriptor_.ports()[i];
+    const DescriptorPort& port = descriptor_.ports()[i];
     du_[i] = port.response(true, move_.data()) + miss_u_[i];
     ds_[i] = port.response(false, move_.data()) + miss_s_[i];
   }

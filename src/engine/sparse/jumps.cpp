@@ -66,12 +66,12 @@ Taken taken(const Part& part, const std::vector<double>& before, const std::vect
 }
 
 /// Charges through ports that conduct, fluxes across those that block; of multipliers what is no rate.
-std::vector<Jump::Impulse> impulses(const Part& part, const JumpSteps& steps, const Taken& size, double share) {
+std::vector<Jump::PortImpulse> impulses(const Part& part, const JumpSteps& steps, const Taken& size, double share) {
   const Descriptor& d = part.descriptor;
   const auto diodes = part.island.network.diodes.size();
-  std::vector<Jump::Impulse> result;
+  std::vector<Jump::PortImpulse> result;
   for (std::size_t i = 0; i < d.ports().size(); ++i) {
-    const Port& port = d.ports()[i];
+    const DescriptorPort& port = d.ports()[i];
     const bool on = steps.second.on[i] != 0;
     if (i >= diodes && !port.is_switch && !on) continue;  // a multiplier at rest
     const auto of = [&](const Point& at) { return port.free_variable(on, at.z.data(), at.w.data()); };

@@ -34,7 +34,7 @@ void KrylovSpace::close(const Vector& zeta, std::vector<double>& r) const {
   const Vector w = exosystem_.rows() * zeta;
   const double one = zeta[exosystem_.constant()];
   for (std::size_t i = 0; i < on_.size(); ++i) {
-    const Port& port = descriptor_.ports()[i];
+    const DescriptorPort& port = descriptor_.ports()[i];
     const double given = source_part(port.slack, w, one);
     const double weight = factor_->closing() ? factor_->closing()->of_slack[i] : on_[i] != 0 ? 1.0 : 0.0;
     r[static_cast<std::size_t>(port.row)] = -weight * given;
@@ -68,7 +68,7 @@ void KrylovSpace::begin_change(const Origin& start, const Vector& zeta) {
   for (std::size_t i = 0; i < on_.size(); ++i) {
     const double of_slack = closing ? closing->of_slack[i] : on_[i] != 0 ? 1.0 : 0.0;
     const double of_input = closing ? closing->of_input[i] : on_[i] != 0 ? 0.0 : 1.0;
-    const Port& port = descriptor_.ports()[i];
+    const DescriptorPort& port = descriptor_.ports()[i];
     right_[static_cast<std::size_t>(port.row)] = change_.closing(port, of_slack, of_input);
   }
 }
@@ -78,7 +78,7 @@ void KrylovSpace::correct(std::vector<double>& z, const Vector& w, double one) {
   for (int round = 0; round < corrections; ++round) {
     product_.assign(z.size(), 0.0);
     for (std::size_t i = 0; i < on_.size(); ++i) {
-      const Port& port = descriptor_.ports()[i];
+      const DescriptorPort& port = descriptor_.ports()[i];
       const auto row = static_cast<std::size_t>(port.row);
       product_[row] = on_[i] != 0 ? -(Form::sum(port.slack.z, z.data()) + source_part(port.slack, w, one)) : -z[row];
     }
@@ -93,7 +93,7 @@ void KrylovSpace::share_out(std::vector<double>& z, const Vector& w, double one)
   if (open.empty()) return;
   Vector moments = Vector::Zero(static_cast<Eigen::Index>(open.size()));
   for (std::size_t i = 0; i < on_.size(); ++i) {
-    const Port& port = descriptor_.ports()[i];
+    const DescriptorPort& port = descriptor_.ports()[i];
     const double value = port.response(on_[i] != 0, z.data()) + (on_[i] != 0 ? 0.0 : source_part(port.slack, w, one));
     for (std::size_t j = 0; j < open.size(); ++j)
       moments[static_cast<Eigen::Index>(j)] += value * port.response(on_[i] != 0, open[j].data());
@@ -109,7 +109,7 @@ bool KrylovSpace::contradicts(const std::vector<double>& z, const Vector& zeta) 
   const Vector w = exosystem_.rows() * zeta;
   const double size = std::max(least_, largest(z));
   for (std::size_t i = 0; i < on_.size(); ++i) {
-    const Port& port = descriptor_.ports()[i];
+    const DescriptorPort& port = descriptor_.ports()[i];
     const double rest = on_[i] != 0 ? Form::sum(port.slack.z, z.data()) + source_part(port.slack, w, zeta[exosystem_.constant()])
                                     : z[static_cast<std::size_t>(port.row)];
     if (!(std::abs(rest) <= tolerance::held_row * size)) return true;

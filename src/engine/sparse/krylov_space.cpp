@@ -234,14 +234,14 @@ Matrix KrylovSpace::rows(const std::vector<Reading>& readings) const {
 
 Vector KrylovSpace::row_of_unknowns(const Form& form) const {
   Vector sum = Vector::Zero(dimension_);
-  for (const Form::Part& part : form.z)
+  for (const Form::IndexedTerm& part : form.z)
     sum += part.coefficient * (vectors_.row(part.index).head(dimension_) + changes_.row(part.index).head(dimension_)).transpose();
   return k_.transpose() * sum;
 }
 
 double KrylovSpace::row_terms(const Form& form) const {
   Vector sum = Vector::Zero(dimension_);
-  for (const Form::Part& part : form.z)
+  for (const Form::IndexedTerm& part : form.z)
     sum += std::abs(part.coefficient) *
            (vectors_.row(part.index).head(dimension_).cwiseAbs() + changes_.row(part.index).head(dimension_).cwiseAbs()).transpose();
   return sum.dot(k_.cwiseAbs() * reach_);

@@ -43,12 +43,12 @@ std::vector<int> OpenParts::ties(const Position& on) const {
     parts.join(link.p, link.n);
     loops.join(link.p, link.n);
   }
-  for (const Port& port : ports_) {
+  for (const PortLink& port : ports_) {
     if (on[static_cast<std::size_t>(port.index)] == 0) continue;
     parts.join(port.p, port.n);
     if (port.is_short && !loops.join(port.p, port.n)) result.push_back(port.index);
   }
-  for (const Port& port : ports_)
+  for (const PortLink& port : ports_)
     if (on[static_cast<std::size_t>(port.index)] == 0 && parts.join(port.p, port.n)) result.push_back(port.index);
   return result;
 }

@@ -28,11 +28,11 @@ class OpenParts {
   bool tells_all_ = true;
   std::vector<Link> solid_;   ///< resistors, stores: they tie potentials
   std::vector<Link> shorts_;  ///< voltage sources: they do, and close loops
-  struct Port : Link {
+  struct PortLink : Link {
     int index;
     bool is_short;  ///< when it conducts
   };
-  std::vector<Port> ports_;
+  std::vector<PortLink> ports_;
 };
 
 }  // namespace pwlsim::engine::sparse

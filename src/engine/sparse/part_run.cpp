@@ -65,7 +65,7 @@ PartRun::PartRun(const Part& part, const Request& request, double reltol, Method
       certificate_(descriptor_),
       passive_(descriptor_.passive()),
       stall_(passive_, request.stop, reltol) {
-  for (const Gate& gate : gates_) std::erase_if(controls_, [&](const Control& control) { return control.port == gate.port(); });
+  for (const Gate& gate : gates_) std::erase_if(controls_, [&](const WatchedControl& control) { return control.port == gate.port(); });
   for (const auto& signal : part.island.network.signals) {
     signals_.push_back(descriptor_.form(signal.form));
     signals_read_sources_ |= !signals_.back().w.empty();
@@ -120,7 +120,7 @@ double PartRun::signal_size(int number) const {
   const Form& form = signals_[static_cast<std::size_t>(number)];
   if (!segment_) return form.size(point_.z.data(), point_.w.data());
   double size = std::abs(form.constant) + Form::size_of(form.w, point_.w.data());
-  for (const Form::Part& part : form.z)
+  for (const Form::IndexedTerm& part : form.z)
     size += std::abs(part.coefficient) * (part.index < descriptor_.nodes() ? largest_voltage_ : largest_current_);
   return size;
 }
@@ -246,7 +246,7 @@ void PartRun::settle_in(Point& next) {
   std::swap(point_, next);
   scale_.note(point_.z);
   ports_.note_scale(point_.z, point_.w);
-  for (Control& control : controls_)
+  for (WatchedControl& control : controls_)
     control.largest = std::max(control.largest, std::abs(control.value.value(point_.z.data(), point_.w.data())));
   if (thresholds_.asks_anything()) watch_controls();
   for (std::size_t i = 0; i < signals_.size(); ++i)

@@ -159,7 +159,7 @@ class PartRun {
   void note_impulses(double h);
   void find_next_gate();
   void watch_controls();
-  void watch_rest(Control& control, int number, double value, double noise);
+  void watch_rest(WatchedControl& control, int number, double value, double noise);
   bool take_gates(double until);
   bool flip_at_rest(const Point& at, Instant& instant);
   bool settle(double h, Instant& instant, Point& first);
@@ -242,7 +242,7 @@ class PartRun {
   Sources sources_;
   Stepper stepper_;
   StateScale scale_;
-  std::vector<Control> controls_;  ///< of switches that are no gates
+  std::vector<WatchedControl> controls_;  ///< of switches that are no gates
   std::vector<Gate> gates_;
   double next_gate_ = model::forever;
   ThresholdWatch thresholds_;

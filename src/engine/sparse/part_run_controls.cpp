@@ -21,7 +21,7 @@ void PartRun::watch_controls() {
   };
   for (const Gate& gate : gates_) note(gate.port(), gate.clock().is_on());
   const double unknown = largest(point_.z);
-  for (Control& control : controls_) {
+  for (WatchedControl& control : controls_) {
     note(control.port, control.holds(point_.on));
     const auto number = static_cast<int>(control.port - first);
     const double value = control.value.value(point_.z.data(), point_.w.data());
@@ -32,7 +32,7 @@ void PartRun::watch_controls() {
   }
 }
 
-void PartRun::watch_rest(Control& control, int number, double value, double noise) {
+void PartRun::watch_rest(WatchedControl& control, int number, double value, double noise) {
   const auto threshold = thresholds_.threshold_at(number, value, noise);
   if (!threshold)
     control.at_threshold_since = std::numeric_limits<double>::quiet_NaN();

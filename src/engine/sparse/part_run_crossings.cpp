@@ -49,7 +49,7 @@ double PartRun::margin_size(std::size_t index, bool is_control) const {
 
 double PartRun::largest_input(const Point& at) const {
   double most = 0.0;
-  for (const Port& port : descriptor_.ports()) most = std::max(most, std::abs(at.z[static_cast<std::size_t>(port.row)]));
+  for (const DescriptorPort& port : descriptor_.ports()) most = std::max(most, std::abs(at.z[static_cast<std::size_t>(port.row)]));
   return most;
 }
 

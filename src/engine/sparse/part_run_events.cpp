@@ -36,7 +36,7 @@ bool PartRun::flip(const Point& at, bool by_sources, double time, Instant& insta
   bool flipped = false;
   const double unknown = largest(point_.z);
   if (by_sources) sources_.evaluate(time, w_);
-  for (const Control& control : controls_) {
+  for (const WatchedControl& control : controls_) {
     if (control.by_sources() != by_sources) continue;
     const double value = control.value.value(at.z.data(), by_sources ? w_.data() : at.w.data());
     const double size = std::max({control.level_size(), control.largest, std::abs(value)});
@@ -53,7 +53,7 @@ bool PartRun::flip(const Point& at, bool by_sources, double time, Instant& insta
 bool PartRun::flip_at_rest(const Point& at, Instant& instant) {
   bool flipped = false;
   const double unknown = largest(point_.z);
-  for (Control& control : controls_) {
+  for (WatchedControl& control : controls_) {
     if (control.has_rested || !control.passes_at_rest(point_.on)) continue;
     const double value = control.value.value(at.z.data(), at.w.data());
     const double size = std::max({control.level_size(), control.largest, std::abs(value)});
@@ -78,7 +78,7 @@ bool PartRun::flip_ahead(double h, Instant& instant, Point& first) {
 /// All switches whose control has passed at this instant change together, those that only sources drive first; states stay as they are
 /// until none moves. False: no position (trial_.solved); `failure_` names the switches that keep toggling.
 bool PartRun::settle(double h, Instant& instant, Point& first) {
-  for (Control& control : controls_) control.has_rested = false;
+  for (WatchedControl& control : controls_) control.has_rested = false;
   for (int round = 0; round < most_rounds; ++round) {
     if (flip(point_, true, instant.time + h, instant, point_.on)) continue;
     descriptor_.hold_blocked(point_.on);
@@ -88,7 +88,7 @@ bool PartRun::settle(double h, Instant& instant, Point& first) {
     if (!flip(first, false, instant.time + h, instant, point_.on) && !flip_at_rest(first, instant)) return true;
   }
   std::vector<std::string> restless;
-  for (const Control& control : controls_)
+  for (const WatchedControl& control : controls_)
     if (point_.on[control.port] != position_before_[control.port]) restless.push_back(descriptor_.ports()[control.port].name);
   fail(keeps_toggling(instant.time, std::move(restless)));
   trial_.solved = Solved::no_position;

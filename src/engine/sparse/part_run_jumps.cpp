@@ -93,12 +93,12 @@ std::vector<std::size_t> PartRun::backward_impulses(const std::vector<double>& i
   const double voltage = rounding([&](const std::vector<double>& z) { return largest(std::span(z).first(nodes)); });
   const double input = rounding([&](const std::vector<double>& z) {
     double most = 0.0;
-    for (const Port& port : descriptor_.ports()) most = std::max(most, std::abs(z[static_cast<std::size_t>(port.row)]));
+    for (const DescriptorPort& port : descriptor_.ports()) most = std::max(most, std::abs(z[static_cast<std::size_t>(port.row)]));
     return most;
   });
   std::vector<std::size_t> ports;
   for (std::size_t i = 0; i < static_cast<std::size_t>(descriptor_.first_switch()); ++i) {
-    const Port& port = descriptor_.ports()[i];
+    const DescriptorPort& port = descriptor_.ports()[i];
     if (!port.blocks(on) && port.response(on[i] != 0, impulses.data()) < -(on[i] != 0 ? input : voltage)) ports.push_back(i);
   }
   return ports;

@@ -365,13 +365,13 @@ void PartRun::record_end(const Point& last, double tau, const ExactSegment::Pass
 FallingGuard PartRun::falling(int guard, double rate) const {
   const auto number = static_cast<std::size_t>(guard), ports = static_cast<std::size_t>(descriptor_.first_switch());
   if (number >= ports) {
-    const Control& control = controls_[number - ports];
+    const WatchedControl& control = controls_[number - ports];
     FallingGuard falling{{control.value.z, {}, 0.0}, rate, control.port};
     if (!control.holds(point_.on))
-      for (Form::Part& part : falling.form.z) part.coefficient = -part.coefficient;
+      for (Form::IndexedTerm& part : falling.form.z) part.coefficient = -part.coefficient;
     return falling;
   }
-  const Port& port = descriptor_.ports()[number];
+  const DescriptorPort& port = descriptor_.ports()[number];
   if (point_.on[number] != 0) return {{{{port.row, 1.0}}, {}, 0.0}, rate, number};
   return {{port.slack.z, {}, 0.0}, rate, number};
 }

@@ -27,7 +27,7 @@ std::size_t hash_of(const Position& on) { return std::hash<std::string_view>()({
 
 void PortSolver::note_scale(const std::vector<double>& z, const std::vector<double>& w) {
   present_input_ = 0.0;
-  for (const Port& p : descriptor_.ports()) {
+  for (const DescriptorPort& p : descriptor_.ports()) {
     const double input = std::abs(z[static_cast<std::size_t>(p.row)]);
     present_input_ = std::max(present_input_, input);
     scale_.input = std::max(scale_.input, input);
@@ -81,7 +81,7 @@ void PortSolver::measure_rows(const Stage& stage, const Position& on, const std:
     add();
   }
   for (std::size_t i = 0; i < on.size(); ++i) {
-    const Port& port = descriptor_.ports()[i];
+    const DescriptorPort& port = descriptor_.ports()[i];
     row_sizes_[static_cast<std::size_t>(port.row)] =
         on[i] != 0 ? std::max(stage.slack_size(port, z.data()), stage.slack_size(port, stage.from.data())) : 0.0;
   }
@@ -106,7 +106,7 @@ std::vector<int> PortSolver::violated(const Stage& stage, const Position& on, co
   std::vector<int> negative;
   double most = 0.0;
   for (std::size_t i = 0; i < diodes; ++i) {
-    const Port& port = descriptor_.ports()[i];
+    const DescriptorPort& port = descriptor_.ports()[i];
     if (port.blocks(on)) continue;
     const double value = stage.free_variable(port, on[i] != 0, z.data());
     if (on[i] != 0) most = std::max(most, std::abs(value));
@@ -117,7 +117,7 @@ std::vector<int> PortSolver::violated(const Stage& stage, const Position& on, co
   if (by_rows_ && !negative.empty()) measure_rows(stage, on, z);
   const auto within = [&](int port) {
     const auto i = static_cast<std::size_t>(port);
-    const Port& p = descriptor_.ports()[i];
+    const DescriptorPort& p = descriptor_.ports()[i];
     const double size = on[i] != 0 ? input : std::max(scale_.slack, stage.slack_size(p, z.data()));
     const double beyond = stage.free_variable(p, on[i] != 0, z.data()) + tolerance * size;
     if (beyond >= 0.0) return true;
@@ -131,7 +131,7 @@ std::vector<int> PortSolver::violated(const Stage& stage, const Position& on, co
 void PortSolver::close(const Stage& stage, const Position& on, const std::vector<double>& z, const Descriptor::Closing* closing,
                        std::vector<double>& right) const {
   for (std::size_t i = 0; i < on.size(); ++i) {
-    const Port& port = descriptor_.ports()[i];
+    const DescriptorPort& port = descriptor_.ports()[i];
     const auto row = static_cast<std::size_t>(port.row);
     right[row] = closing ? -closing->of_slack[i] * stage.free_variable(port, false, z.data()) - closing->of_input[i] * z[row]
                          : -stage.free_variable(port, on[i] == 0, z.data());
@@ -389,7 +389,7 @@ bool PortSolver::decide(const Stage& stage, Position& on, const std::vector<doub
   }
   for (std::size_t i = 0; i < k; ++i)
     q[static_cast<Eigen::Index>(i)] = stage.free_variable(descriptor_.ports()[disputed(i)], on[disputed(i)] != 0, z.data());
-  const lcp::Answer answer = lcp::solve(m, q);
+  const lcp::AssessedSolution answer = lcp::solve(m, q);
   pivots_ += static_cast<std::uint64_t>(answer.pivots);
   if (answer.status != lcp::Status::solved) return false;
   for (const int i : answer.basis) on[disputed(static_cast<std::size_t>(i))] ^= 1;

@@ -48,7 +48,7 @@ RestingParts::RestingParts(const Descriptor& descriptor)
 
 void RestingParts::add_ports() {
   for (std::size_t i = 0; i < descriptor_.ports().size(); ++i) {
-    const Port& port = descriptor_.ports()[i];
+    const DescriptorPort& port = descriptor_.ports()[i];
     const bool is_ideal =
         std::all_of(port.slack.z.begin(), port.slack.z.end(), [&](const auto& part) { return part.index < descriptor_.nodes(); });
     const bool has_drop = port.slack.constant != 0.0 || !port.slack.w.empty();

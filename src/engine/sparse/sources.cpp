@@ -19,7 +19,7 @@ Sources::Sources(const model::Network& network)
 void Sources::evaluate(double time, std::vector<double>& w) const {
   exosystem_.evaluate(phase_, time, zeta_.data());
   w.assign(count_, 0.0);
-  for (const Part& part : parts_)
+  for (const StateTerm& part : parts_)
     w[static_cast<std::size_t>(part.source)] += part.coefficient * zeta_[static_cast<std::size_t>(part.state)];
 }
 

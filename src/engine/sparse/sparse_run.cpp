@@ -175,7 +175,7 @@ void SparseRun::watch_start() {
   if (request_.watcher == nullptr) return;
   std::vector<std::string> elements;
   for (const auto& track : tracks_) {
-    for (const Port& port : track->part.descriptor.ports()) elements.push_back(port.name);
+    for (const DescriptorPort& port : track->part.descriptor.ports()) elements.push_back(port.name);
     on_.insert(on_.end(), track->run.position().begin(), track->run.position().end());
   }
   request_.watcher->begin(elements, on_);

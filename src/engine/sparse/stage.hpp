@@ -21,13 +21,13 @@ struct Stage {
   /// The problem of a change from a point at which both quantities of these ports are zero: z is that change, the others stay on their sides.
   const std::vector<char>* disputed = nullptr;
 
-  [[nodiscard]] double free_variable(const Port& port, bool on, const double* z) const {
+  [[nodiscard]] double free_variable(const DescriptorPort& port, bool on, const double* z) const {
     return disputed != nullptr ? port.response(on, z) : port.free_variable(on, z, w.data());
   }
-  [[nodiscard]] double slack_size(const Port& port, const double* z) const {
+  [[nodiscard]] double slack_size(const DescriptorPort& port, const double* z) const {
     return disputed == nullptr ? port.slack_size(z, w.data()) : Form::size_of(port.slack.z, z);
   }
-  [[nodiscard]] bool may_change(std::size_t port, const Port& p, const Position& on) const {
+  [[nodiscard]] bool may_change(std::size_t port, const DescriptorPort& p, const Position& on) const {
     return !p.blocks(on) && (disputed == nullptr || (*disputed)[port] != 0);
   }
 };

@@ -107,7 +107,7 @@ class RestFinder {
   bool flip_switches(bool together, bool at_rest) {
     bool flipped = false;
     const double unknown = largest(z);
-    for (Control& control : controls_) {
+    for (WatchedControl& control : controls_) {
       const double slack = std::max(tolerance::dc_rest * control.level_size(), control.rounding(unknown));
       const double margin = control.margin(on, control.value.value(z.data(), w_.data()));
       const double rounding = std::max(slack, tolerance::dc_rest * control.value.size(z.data(), w_.data()));
@@ -124,7 +124,7 @@ class RestFinder {
   const Descriptor& descriptor_;
   Factors factors_;
   PortSolver ports_;
-  std::vector<Control> controls_;
+  std::vector<WatchedControl> controls_;
   std::vector<double> w_;
 };
 

@@ -25,7 +25,7 @@ class StartChange {
   /// r, its closing rows without meaning.
   [[nodiscard]] const std::vector<double>& right() const { return right_; }
   /// What the closing row  of_slack·s + of_input·u = 0  of a port misses: a slack that is rounding is zero.
-  [[nodiscard]] double closing(const Port& port, double of_slack, double of_input) const;
+  [[nodiscard]] double closing(const DescriptorPort& port, double of_slack, double of_input) const;
 
  private:
   const Descriptor& descriptor_;

@@ -65,7 +65,7 @@ void StepCertifier::add_ports(const Point& point, const PortSolver& ports, std::
   const Rounding rounding = rounding_at(point);
   for (int i = 0; i < descriptor_.first_switch(); ++i) {
     if (std::find(rising.begin(), rising.end(), i) != rising.end()) continue;
-    const Port& port = descriptor_.ports()[static_cast<std::size_t>(i)];
+    const DescriptorPort& port = descriptor_.ports()[static_cast<std::size_t>(i)];
     const auto beyond = [](double value, double zero) { return std::abs(value) > zero ? value : 0.0; };
     const double u = beyond(point.z[static_cast<std::size_t>(port.row)], rounding.input);
     const double s = beyond(port.slack.value(point.z.data(), point.w.data()), rounding.voltage);

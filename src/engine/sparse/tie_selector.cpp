@@ -16,10 +16,10 @@ bool TieSelector::find(const std::vector<double>& z, const std::vector<double>& 
   const auto ports = static_cast<std::size_t>(descriptor_.first_switch());
   const double voltage = std::max(least_, solver_.largest_voltage(z));
   double input = least_;
-  for (const Port& port : descriptor_.ports()) input = std::max(input, std::abs(z[static_cast<std::size_t>(port.row)]));
+  for (const DescriptorPort& port : descriptor_.ports()) input = std::max(input, std::abs(z[static_cast<std::size_t>(port.row)]));
   at_zero_.assign(ports, 0);
   for (std::size_t i = 0; i < ports; ++i) {
-    const Port& port = descriptor_.ports()[i];
+    const DescriptorPort& port = descriptor_.ports()[i];
     const double slack = std::abs(port.slack.value(z.data(), w.data()));
     const bool is_zero =
         std::abs(z[static_cast<std::size_t>(port.row)]) <= std::max(tolerance::tied_port * input, tolerance::sum_rounding * input_terms_) &&
@@ -32,11 +32,11 @@ bool TieSelector::find(const std::vector<double>& z, const std::vector<double>& 
 /// Of the ports in dispute those that the change `step_` leaves at zero on both sides, the wrong side of it by rounding included. False: none.
 bool TieSelector::keep_undecided(const Position& on) {
   double input = 0.0;
-  for (const Port& port : descriptor_.ports()) input = std::max(input, std::abs(step_[static_cast<std::size_t>(port.row)]));
+  for (const DescriptorPort& port : descriptor_.ports()) input = std::max(input, std::abs(step_[static_cast<std::size_t>(port.row)]));
   bool any = false;
   for (std::size_t i = 0; i < disputed_.size(); ++i) {
     if (disputed_[i] == 0) continue;
-    const Port& port = descriptor_.ports()[i];
+    const DescriptorPort& port = descriptor_.ports()[i];
     const double size = on[i] != 0 ? input : Form::size_of(port.slack.z, step_.data());
     disputed_[i] = port.response(on[i] != 0, step_.data()) <= tolerance::undecided_change * size;
     any |= disputed_[i] != 0;

@@ -59,9 +59,9 @@ class SheetDrawer {
     return known->second;
   }
 
-  DrawnSheet::Part part(const Placed& placed) {
+  DrawnSheet::DrawnPart part(const Placed& placed) {
     const Instance& instance = *placed.instance;
-    DrawnSheet::Part drawn;
+    DrawnSheet::DrawnPart drawn;
     drawn.symbol = without_case(placed.symbol->name);
     drawn.name = placed.attribute("InstName");
     drawn.element = is_jumper(placed) ? "" : element_name(placed);
@@ -108,7 +108,7 @@ class Places {
     if (!drawing_.empty()) add("", 0, {});
     for (std::size_t k = 0; k < places_.size(); ++k) {
       const DrawnPlace place = places_[k];
-      for (const DrawnSheet::Part& part : drawing_[place.sheet].parts)
+      for (const DrawnSheet::DrawnPart& part : drawing_[place.sheet].parts)
         if (!part.block.empty()) add_call(place, part);
     }
     return std::move(places_);
@@ -126,16 +126,14 @@ class Places {
     DrawnPlace place{path, sheet, {}, {}};
     for (const std::string& net : drawing_[sheet].nets) {
       const auto port = ports.find(without_case(net));
-      place.nodes.push_back(is_global(without_case(net)) ? net
-                            : port != ports.end()                              ? port->second
-                                                                               : inside(path, net));
+      place.nodes.push_back(is_global(without_case(net)) ? net : port != ports.end() ? port->second : inside(path, net));
     }
-    for (const DrawnSheet::Part& part : drawing_[sheet].parts)
+    for (const DrawnSheet::DrawnPart& part : drawing_[sheet].parts)
       place.elements.push_back(part.element.empty() ? "" : inside(path, part.element));
     places_.push_back(std::move(place));
   }
 
-  void add_call(const DrawnPlace& caller, const DrawnSheet::Part& part) {
+  void add_call(const DrawnPlace& caller, const DrawnSheet::DrawnPart& part) {
     const auto called = sheets_.find(without_case(part.block));
     if (called == sheets_.end()) return;
     Ports ports;

@@ -23,7 +23,7 @@ struct DrawnSheet {
     std::string name;  ///< shown beside it; often empty
     int net = -1;      ///< -1: an open pin of one of LTspice's own devices
   };
-  struct Part {
+  struct DrawnPart {
     std::string symbol;   ///< without its folder, in lower case
     std::string element;  ///< in the netlist: "MQ1" of the symbol Q1
     std::string name, value;
@@ -44,7 +44,7 @@ struct DrawnSheet {
   std::vector<Line> wires;
   std::vector<Label> labels;
   std::vector<GridPoint> dots;  ///< where three or more ends meet
-  std::vector<Part> parts;
+  std::vector<DrawnPart> parts;
   std::vector<Text> couplings;       ///< K cards, one line each
   std::vector<std::string> globals;  ///< of `.global`: nets that have their name everywhere, without case
 };
