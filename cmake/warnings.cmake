@@ -3,6 +3,8 @@ option(PWLSIM_WERROR "Treat warnings as errors" OFF)
 
 add_library(pwlsim_warnings INTERFACE)
 target_compile_options(pwlsim_warnings INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual
+  -Wall -Wextra -Wpedantic -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual
+  # Of files compiled together a local name may be a private one of another file.
+  $<$<NOT:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>>:-Wshadow>
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # g++ 12 reports it wrongly for "text" + std::string (GCC bug 105651)
   $<$<BOOL:${PWLSIM_WERROR}>:-Werror>)

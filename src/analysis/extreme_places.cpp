@@ -37,32 +37,37 @@ void MeasuredFunctionals::add_extreme(double weight, std::size_t number, bool is
   sum.ties.push_back(std::move(tie));
 }
 
-/// At an instant the value goes with it on the side that is the extreme; elsewhere the time of the extreme does not matter. At an end of the window the
-/// value there counts, and on the side of the parameter on which an instant comes to lie within the window, what that makes of it.
 MeasuredFunctional MeasuredFunctionals::of_extreme(const Measurement& measurement, double time, bool is_largest,
                                                    const measure::Place& place) {
   const double near = same_place * run_.stop;
-  const auto instant = instant_at(time);
   const bool at_begin = time <= place.from + near, at_end = time >= place.to - near;
   const bool is_period = sensitivity_.is_settled() && place.from <= near && place.to >= run_.stop - near;
   if (is_period && (at_begin || at_end) && sensitivity_.orbit().instants().back().time < run_.stop - near)
     return of_wrap(measurement, is_largest);
-  MeasuredFunctional result;
-  if (!(at_begin || at_end)) {
-    Jet left = jet_of(measurement.expression, time, instant ? Side::left : Side::right);
-    if (!instant) return std::move(left.moved);
-    Jet right = jet_of(measurement.expression, time, Side::right);
-    Jet& taken = (left.value >= right.value) == is_largest ? left : right;
-    result = std::move(taken.moved);
-    result.sum.add(taken.rate, shift_of(*instant));
-    return result;
-  }
+  return at_begin || at_end ? of_extreme_at_end(measurement, time, is_largest, at_begin) : of_extreme_inside(measurement, time, is_largest);
+}
+
+/// At an instant the value goes with it on the side that is the extreme; elsewhere the time of the extreme does not matter.
+MeasuredFunctional MeasuredFunctionals::of_extreme_inside(const Measurement& measurement, double time, bool is_largest) {
+  const auto instant = instant_at(time);
+  Jet left = jet_of(measurement.expression, time, instant ? Side::left : Side::right);
+  if (!instant) return std::move(left.moved);
+  Jet right = jet_of(measurement.expression, time, Side::right);
+  Jet& taken = (left.value >= right.value) == is_largest ? left : right;
+  MeasuredFunctional result = std::move(taken.moved);
+  result.sum.add(taken.rate, shift_of(*instant));
+  return result;
+}
+
+/// At an end of the window the value there counts, and on the side of the parameter on which an instant comes to lie within the window, what that makes of it.
+MeasuredFunctional MeasuredFunctionals::of_extreme_at_end(const Measurement& measurement, double time, bool is_largest, bool at_begin) {
+  const auto instant = instant_at(time);
   const MeasuredFunctional moves = at_begin ? from_moves(measurement) : to_moves(measurement);
   Jet inside = jet_of(measurement.expression, time, at_begin ? Side::right : Side::left);
-  result = std::move(inside.moved);
+  MeasuredFunctional result = std::move(inside.moved);
   result.add(inside.rate, moves);
   if (!instant) return result;
-  if (time <= near) {
+  if (time <= same_place * run_.stop) {
     result.obstacles.push_back({shift_of(*instant), moves.sum, "an edge at t = 0 moves"});
     return result;
   }

@@ -91,8 +91,8 @@ model::LinearForm excess_of(const model::Network& network, std::size_t half) {
 }
 
 /// A positive part of the excess beyond the drop of `line`, of which the current is written by `half.resistance`.
-model::Complementarity part_of(const model::Complementarity& half, const model::LinearForm& excess, std::size_t index,
-                               const model::Tangent& line) {
+model::Complementarity part_of_half(const model::Complementarity& half, const model::LinearForm& excess, std::size_t index,
+                                    const model::Tangent& line) {
   model::Complementarity part{
       half.label, {{model::Term::Kind::slack_input, static_cast<int>(index), line.resistance / half.half->resistance}}, {}};
   model::accumulate(part.slack, excess, -1.0);
@@ -112,7 +112,7 @@ void give_slopes(model::Network& network, const std::vector<FollowingChannel>& c
       const model::LinearForm excess = excess_of(network, half);
       for (std::size_t k = 0; k < lines.size(); ++k) {
         const std::size_t index = k == 0 ? half : next++;
-        model::Complementarity part = part_of(network.complementarities[half], excess, index, lines[k]);
+        model::Complementarity part = part_of_half(network.complementarities[half], excess, index, lines[k]);
         if (k > 0) part.label.name += fmt::format(" line {}", k + 1);
         if (k > 0) added[half].push_back(static_cast<int>(index));
         parts.emplace_back(index, std::move(part));
@@ -151,9 +151,9 @@ void give_lines(model::Network& network, const std::vector<Fitted>& fitted) {
   count_added(network, model::Term::Kind::diode_current, added);
 }
 
-class Fit {
+class DiodeFit {
  public:
-  Fit(const circuit::Compiled& compiled, EngineChoice choice, double reltol, const std::atomic<int>* interrupt)
+  DiodeFit(const circuit::Compiled& compiled, EngineChoice choice, double reltol, const std::atomic<int>* interrupt)
       : network_(compiled.network), choice_(choice), reltol_(reltol), interrupt_(interrupt) {
     network_.signals.clear();
     for (std::size_t k = 0; k < network_.diodes.size(); ++k) {
@@ -454,7 +454,7 @@ class Fit {
 
 Diagnostics fit_diodes(circuit::Compiled& compiled, EngineChoice choice, double reltol, const std::atomic<int>* interrupt) {
   if (!compiled.analyses.transient && !compiled.analyses.operating_point) return {};
-  Fit fit(compiled, choice, reltol, interrupt);
+  DiodeFit fit(compiled, choice, reltol, interrupt);
   if (!fit.is_needed() || !(compiled.analyses.transient ? fit.run(compiled.analyses) : fit.settle())) return {};
   fit.give(compiled.network);
   return fit.notes();

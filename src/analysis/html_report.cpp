@@ -180,42 +180,57 @@ std::string data_text(const RunOutcome& outcome, const RunReport& run, const Run
                     {"events", array_of(recorder.told(), event_text)}});
 }
 
-std::string sweep_data_text(const RunOutcome& outcome, const RunReport& run) {
-  constexpr std::size_t most_panels = 20;
+/// The drawn runs of a sweep, and their common time.
+struct SweepPage {
   std::vector<const SolutionRecord*> solutions;
   std::vector<std::string> names, colours;
   double from = std::numeric_limits<double>::infinity(), to = 0.0;
-  for (std::size_t index = 0; index < outcome.sweep.drawn.size(); ++index) {
-    const DrawnRun& drawn = outcome.sweep.drawn[index];
-    if (!drawn.recorder) continue;
-    solutions.push_back(&drawn.recorder->solution());
-    names.push_back(outcome.sweep.name(drawn.run));
-    colours.push_back(colour_of_run(outcome.sweep, index));
-    from = std::min(from, drawn.recorder->from());
-    to = std::max(to, drawn.recorder->to());
-  }
-  const std::size_t signals = solutions.empty() ? 0 : std::min(most_panels, solutions.front()->signals());
-  std::vector<std::string> panels(signals, "[");
   std::vector<PageSignal> shown;
-  for (std::size_t k = 0; k < signals; ++k) {
-    for (std::size_t r = 0; r < names.size(); ++r) {
-      panels[k] += (r == 0 ? "" : ",") + index_text(shown.size());
-      shown.push_back({outcome.signals[k] + ", " + names[r], std::string(unit_of_signal(outcome.signals[k])), colours[r], r, k});
+  std::vector<std::string> panels;  ///< of each quantity: the numbers of what is shown in it
+
+  explicit SweepPage(const SweptRuns& sweep) {
+    for (std::size_t index = 0; index < sweep.drawn.size(); ++index) {
+      const DrawnRun& drawn = sweep.drawn[index];
+      if (!drawn.recorder) continue;
+      solutions.push_back(&drawn.recorder->solution());
+      names.push_back(sweep.name(drawn.run));
+      colours.push_back(colour_of_run(sweep, index));
+      from = std::min(from, drawn.recorder->from());
+      to = std::max(to, drawn.recorder->to());
     }
-    panels[k] += "]";
+    if (solutions.empty()) from = 0.0;
   }
-  const PageData page = page_data(solutions, shown);
+
+  /// One panel for each of these quantities, with the curves of all runs.
+  void add_panels(std::span<const std::string> quantities) {
+    panels.assign(quantities.size(), "[");
+    for (std::size_t k = 0; k < quantities.size(); ++k) {
+      for (std::size_t r = 0; r < names.size(); ++r) {
+        panels[k] += (r == 0 ? "" : ",") + index_text(shown.size());
+        shown.push_back({quantities[k] + ", " + names[r], std::string(unit_of_signal(quantities[k])), colours[r], r, k});
+      }
+      panels[k] += "]";
+    }
+  }
+};
+
+std::string sweep_data_text(const RunOutcome& outcome, const RunReport& run) {
+  constexpr std::size_t most_panels = 20;
+  SweepPage sweep(outcome.sweep);
+  const std::size_t signals = sweep.solutions.empty() ? 0 : std::min(most_panels, sweep.solutions.front()->signals());
+  sweep.add_panels(std::span(outcome.signals).first(signals));
+  const PageData page = page_data(sweep.solutions, sweep.shown);
   return json_line({{"run", run_json(outcome, run)},
-                    {"from", json_number(solutions.empty() ? 0.0 : from)},
-                    {"to", json_number(to)},
+                    {"from", json_number(sweep.from)},
+                    {"to", json_number(sweep.to)},
                     {"thinned", json_truth(page.is_thinned)},
                     {"records", json_line(page.records)},
                     {"signals", json_line(page.signals)},
-                    {"panels", json_line(panels)},
+                    {"panels", json_line(sweep.panels)},
                     {"quantities", array_of(kept_signals(outcome, signals), json_string)},
-                    {"runNames", array_of(names, json_string)},
-                    {"drawnRuns", index_text(names.size())},
-                    {"saved", index_text(shown.size())},
+                    {"runNames", array_of(sweep.names, json_string)},
+                    {"drawnRuns", index_text(sweep.names.size())},
+                    {"saved", index_text(sweep.shown.size())},
                     {"schematic", schematic_text(outcome)},
                     {"ports", "0"},
                     {"lanes", "[]"},

@@ -49,6 +49,8 @@ class MeasuredFunctionals {
     void at(const std::vector<double>& signals, std::vector<double>& gradient) const;
   };
   [[nodiscard]] AffineGradient affine_gradient(const circuit::MeasuredExpression& expression, bool squares) const;
+  void take_values(const KeptPiece& piece, const std::vector<int>& probes, const Shares* shares);
+  void weigh(const measure::ExpressionGradient& gradient, const AffineGradient& affine, double from, double to, bool squares, double scale);
   void add_inside(const measure::ExpressionGradient& gradient, const AffineGradient& affine, std::size_t piece, double from, double to,
                   bool squares, double scale, MeasuredFunctional& sum);
   [[nodiscard]] bool add_stretch(const circuit::Measurement& measurement, const measure::Place& place, double scale,
@@ -58,6 +60,8 @@ class MeasuredFunctionals {
   void add_extreme(double weight, std::size_t measurement, bool is_largest, MeasuredFunctional& sum);
   [[nodiscard]] MeasuredFunctional of_extreme(const circuit::Measurement& measurement, double time, bool is_largest,
                                               const measure::Place& place);
+  [[nodiscard]] MeasuredFunctional of_extreme_inside(const circuit::Measurement& measurement, double time, bool is_largest);
+  [[nodiscard]] MeasuredFunctional of_extreme_at_end(const circuit::Measurement& measurement, double time, bool is_largest, bool at_begin);
   [[nodiscard]] MeasuredFunctional of_wrap(const circuit::Measurement& measurement, bool is_largest);
   [[nodiscard]] MeasuredFunctional of_extreme_time(std::size_t measurement, bool is_largest);
   [[nodiscard]] std::string event_at(std::size_t instant) const;

@@ -127,30 +127,27 @@ linalg::LegendreValues on_piece(const linalg::LegendreValues& weights,
 
 }  // namespace
 
-/// ∫ of the derivative of the expression, or of its square's, over what a piece stands for; results and numbers are added up by the caller.
-void MeasuredFunctionals::add_inside(const ExpressionGradient& gradient, const AffineGradient& affine, std::size_t number, double from,
-                                     double to, bool squares, double scale, MeasuredFunctional& sum) {
-  const KeptPiece& kept = run_.pieces[number];
-  const std::size_t n = linalg::legendre_points, width = signals_.size(), count = gradient.probes().size();
-  steady::Functional::Interval& interval = sum.sum.run.intervals[number];
-  if (interval.weights.empty()) interval = {0.5 * (kept.from + kept.to), kept.begin, kept.length, std::vector<double>(n * width, 0.0)};
-  constexpr double whole = 1e-14, of_time = 1e-15;
-  const double near = whole + of_time * std::abs(to) / kept.length;
-  const double begins = (from - kept.begin) / kept.length, ends = (to - kept.begin) / kept.length;
-  const bool is_whole = std::abs(begins) <= near && std::abs(ends - 1.0) <= near;
-  const Shares* const shares = is_whole ? nullptr : &shares_on(begins, ends, near);
-  values_.resize(count);
-  weights_.resize(count);
-  for (std::size_t k = 0; k < count; ++k) {
-    const double* const own = kept.values.data() + static_cast<std::size_t>(gradient.probes()[k]) * n;
-    if (is_whole)
+/// Values of the probes at the points of a piece, or of the part of it that has these shares.
+void MeasuredFunctionals::take_values(const KeptPiece& piece, const std::vector<int>& probes, const Shares* shares) {
+  const std::size_t n = linalg::legendre_points;
+  values_.resize(probes.size());
+  for (std::size_t k = 0; k < probes.size(); ++k) {
+    const double* const own = piece.values.data() + static_cast<std::size_t>(probes[k]) * n;
+    if (shares == nullptr)
       std::copy_n(own, n, values_[k].begin());
     else
       values_[k] = on_part(own, shares->points);
   }
+}
+
+/// Weights of the probes at the points from `from` to `to`, where their values are `values_`.
+void MeasuredFunctionals::weigh(const ExpressionGradient& gradient, const AffineGradient& affine, double from, double to, bool squares,
+                                double scale) {
+  const std::size_t count = values_.size();
+  weights_.resize(count);
   const auto& rule = linalg::gauss_legendre();
   std::vector<double> signals(count), of_signals;
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < linalg::legendre_points; ++i) {
     for (std::size_t k = 0; k < count; ++k) signals[k] = values_[k][i];
     double weight = 0.5 * (to - from) * rule.weight[i] * scale;
     if (!affine.constant.empty()) {
@@ -163,6 +160,22 @@ void MeasuredFunctionals::add_inside(const ExpressionGradient& gradient, const A
     }
     for (std::size_t k = 0; k < count; ++k) weights_[k][i] = weight * of_signals[k];
   }
+}
+
+/// ∫ of the derivative of the expression, or of its square's, over what a piece stands for; results and numbers are added up by the caller.
+void MeasuredFunctionals::add_inside(const ExpressionGradient& gradient, const AffineGradient& affine, std::size_t number, double from,
+                                     double to, bool squares, double scale, MeasuredFunctional& sum) {
+  const KeptPiece& kept = run_.pieces[number];
+  const std::size_t n = linalg::legendre_points, width = signals_.size(), count = gradient.probes().size();
+  steady::Functional::Interval& interval = sum.sum.run.intervals[number];
+  if (interval.weights.empty()) interval = {0.5 * (kept.from + kept.to), kept.begin, kept.length, std::vector<double>(n * width, 0.0)};
+  constexpr double whole = 1e-14, of_time = 1e-15;
+  const double near = whole + of_time * std::abs(to) / kept.length;
+  const double begins = (from - kept.begin) / kept.length, ends = (to - kept.begin) / kept.length;
+  const bool is_whole = std::abs(begins) <= near && std::abs(ends - 1.0) <= near;
+  const Shares* const shares = is_whole ? nullptr : &shares_on(begins, ends, near);
+  take_values(kept, gradient.probes(), shares);
+  weigh(gradient, affine, from, to, squares, scale);
   for (std::size_t k = 0; k < count; ++k) {
     const linalg::LegendreValues own = is_whole ? weights_[k] : on_piece(weights_[k], shares->points);
     const auto at = static_cast<std::size_t>(gradient.probes()[k]);

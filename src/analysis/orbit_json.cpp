@@ -31,39 +31,47 @@ std::string multiplier_json(const SteadyState& state, const steady::Multiplier& 
                     {"states", shares_json(shares_of(state, m.direction), "share")}});
 }
 
+std::string source_json(const steady::PeriodicSource& source) {
+  return json_line({{"name", json_string(source.name)}, {"period", json_number(source.period)}, {"cycles", std::to_string(source.cycles)}});
+}
+
+std::string state_json(const NamedState& s) {
+  return json_line({{"name", json_string(s.name)}, {"value", json_number(s.value)}, {"unit", json_string(s.unit)}});
+}
+
+std::string orbit_mode_json(const OrbitMode& mode) {
+  return json_line({{"time", json_number(mode.time)},
+                    {"closed", names_json(mode.closed)},
+                    {"conducting", names_json(mode.conducting)},
+                    {"event", json_string(mode.event)},
+                    {"jump", json_truth(mode.has_jump)}});
+}
+
+/// A member that is an array, one line an item.
+template <class List, class ToJson>
+void member_list(JsonWriter& json, std::string_view name, const List& list, const ToJson& to_json) {
+  json.key(name);
+  json.begin_array();
+  for (const auto& item : list) json.value(to_json(item));
+  json.end_array();
+}
+
 }  // namespace
 
 void write_orbit(JsonWriter& json, const SteadyState* state) {
   if (state == nullptr || !state->is_found) return json.member("pss", "null");
   const steady::Orbit& orbit = state->orbit;
   const bool is_driven = !state->common.sources.empty();
-  std::vector<std::string> sources, multipliers, states, free, modes;
-  for (const steady::PeriodicSource& source : state->common.sources)
-    sources.push_back(
-        json_line({{"name", json_string(source.name)}, {"period", json_number(source.period)}, {"cycles", std::to_string(source.cycles)}}));
-  for (const steady::Multiplier& m : orbit.multipliers) multipliers.push_back(multiplier_json(*state, m));
-  for (const NamedState& s : state->states)
-    states.push_back(json_line({{"name", json_string(s.name)}, {"value", json_number(s.value)}, {"unit", json_string(s.unit)}}));
-  for (const steady::Vector& direction : orbit.free_directions)
-    free.push_back(json_line({{"states", shares_json(shares_of(*state, direction.cast<std::complex<double>>()), "weight")}}));
-  for (const OrbitMode& mode : state->modes)
-    modes.push_back(json_line({{"time", json_number(mode.time)},
-                               {"closed", names_json(mode.closed)},
-                               {"conducting", names_json(mode.conducting)},
-                               {"event", json_string(mode.event)},
-                               {"jump", json_truth(mode.has_jump)}}));
-  const auto member_list = [&](std::string_view name, const std::vector<std::string>& list) {
-    json.key(name);
-    json.begin_array();
-    for (const std::string& item : list) json.value(item);
-    json.end_array();
+  const auto multiplier = [&](const steady::Multiplier& m) { return multiplier_json(*state, m); };
+  const auto free = [&](const steady::Vector& direction) {
+    return json_line({{"states", shares_json(shares_of(*state, direction.cast<std::complex<double>>()), "weight")}});
   };
   json.key("pss");
   json.begin_object();
   json.member("kind", json_string(is_driven ? "driven" : "autonomous"));
   json.member("period", json_number(orbit.period));
   json.member("multiple", std::to_string(state->multiple));
-  member_list("sources", sources);
+  member_list(json, "sources", state->common.sources, source_json);
   json.member("residual", json_number(orbit.residual));
   json.member("uncertainty", orbit.has_leading_only ? json_number(orbit.uncertainty) : "null");
   json.member("iterations", std::to_string(orbit.iterations));
@@ -73,10 +81,10 @@ void write_orbit(JsonWriter& json, const SteadyState* state) {
   json.member("stability", stability.empty() ? "null" : json_string(stability));
   json.member("unique", json_truth(orbit.free_directions.empty()));
   json.member("all_multipliers", json_truth(!orbit.has_leading_only));
-  member_list("multipliers", multipliers);
-  member_list("states", states);
-  member_list("free", free);
-  member_list("modes", modes);
+  member_list(json, "multipliers", orbit.multipliers, multiplier);
+  member_list(json, "states", state->states, state_json);
+  member_list(json, "free", orbit.free_directions, free);
+  member_list(json, "modes", state->modes, orbit_mode_json);
   json.member("phase", json_string(is_driven ? "t = 0 is where the periods of the sources begin" : "t = 0 is just after " + orbit.section));
   json.end_object();
 }

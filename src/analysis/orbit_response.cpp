@@ -12,29 +12,31 @@ using circuit::Compiled;
 
 namespace {
 
+/// Which signals have impulses at the times that count.
+class ImpulseFinder : public engine::PieceSink {
+ public:
+  ImpulseFinder(std::size_t signals, std::function<bool(double)> counts) : has_(signals, 0), counts_(std::move(counts)) {}
+  void before_start(std::span<const double>) override {}
+  void take(const engine::Piece&) override {}
+  void impulse(double time, std::span<const double> values) override {
+    for (std::size_t k = 0; k < values.size() && counts_(time); ++k)
+      if (values[k] != 0.0) has_[k] = 1;
+  }
+  [[nodiscard]] std::vector<int> found() const {
+    std::vector<int> list;
+    for (std::size_t k = 0; k < has_.size(); ++k)
+      if (has_[k] != 0) list.push_back(static_cast<int>(k));
+    return list;
+  }
+
+ private:
+  std::vector<char> has_;
+  std::function<bool(double)> counts_;
+};
+
 /// Signals of the deck that have impulses on the orbit whose size or time a small input moves: at jumps of the state, and at edges of sources where these
 /// move (`with_edges`).
 std::vector<int> impulsive_signals(const Compiled& compiled, const SteadyState& state, bool with_edges) {
-  class Impulses : public engine::PieceSink {
-   public:
-    Impulses(std::size_t signals, std::function<bool(double)> counts) : has_(signals, 0), counts_(std::move(counts)) {}
-    void before_start(std::span<const double>) override {}
-    void take(const engine::Piece&) override {}
-    void impulse(double time, std::span<const double> values) override {
-      for (std::size_t k = 0; k < values.size() && counts_(time); ++k)
-        if (values[k] != 0.0) has_[k] = 1;
-    }
-    [[nodiscard]] std::vector<int> found() const {
-      std::vector<int> list;
-      for (std::size_t k = 0; k < has_.size(); ++k)
-        if (has_[k] != 0) list.push_back(static_cast<int>(k));
-      return list;
-    }
-
-   private:
-    std::vector<char> has_;
-    std::function<bool(double)> counts_;
-  };
   const auto& steps = state.orbit.trace.steps;
   const auto jumps = [](const steady::TraceStep& step) { return step.has_jump; };
   if (!with_edges && std::none_of(steps.begin(), steps.end(), jumps)) return {};
@@ -49,17 +51,14 @@ std::vector<int> impulsive_signals(const Compiled& compiled, const SteadyState& 
   // Of the deck's own signals; those of the search stand behind them.
   std::vector<int> signals;
   for (std::size_t k = 0; k < compiled.network.signals.size(); ++k) signals.push_back(static_cast<int>(k));
-  Impulses impulses(signals.size(), [&](double time) { return with_edges || is_jump(time); });
+  ImpulseFinder impulses(signals.size(), [&](double time) { return with_edges || is_jump(time); });
   engine::Request request = request_of(state.compiled.analyses, {});
   request.stop = period;
   request.use_initial_conditions = true;
   request.unsaved_signals = state.compiled.network.signals.size();
   request.probes = {signals, 0.0, period, &impulses};
-  class Nowhere : public engine::RowSink {
-   public:
-    bool write(std::span<const double>, std::size_t) override { return true; }
-  } nowhere;
-  (void)state.simulate(request, nowhere);
+  NoRows sink;
+  (void)state.simulate(request, sink);
   return impulses.found();
 }
 

@@ -11,11 +11,12 @@
 namespace pwlsim::analysis {
 namespace {
 
-constexpr std::size_t most_panels = 8, most_curves = 6;
+constexpr std::size_t most_panels = 8, most_curves_of_panel = 6;
 /// Of the names of one panel, so that they find room above it.
 constexpr std::size_t most_letters = 60;
 
-waveform::Curve curve(const std::string& name, const measure::SolutionRecord& solution, std::size_t signal, const std::string& colour = {}) {
+waveform::Curve curve(const std::string& name, const measure::SolutionRecord& solution, std::size_t signal,
+                      const std::string& colour = {}) {
   measure::SolutionRecord::Line line = solution.line(signal);
   return {name, std::move(line.times), std::move(line.values), false, colour};
 }
@@ -29,7 +30,7 @@ std::vector<std::vector<std::size_t>> panels_of(const std::vector<std::string>& 
     bool open = false;
     for (std::size_t k = 0; k < names.size(); ++k) {
       if (unit_of_signal(names[k]) != unit) continue;
-      if (!open || panels.back().size() == most_curves || letters + names[k].size() > most_letters) {
+      if (!open || panels.back().size() == most_curves_of_panel || letters + names[k].size() > most_letters) {
         panels.emplace_back();
         letters = 0;
         open = true;

@@ -24,9 +24,9 @@ double devices_of(const model::ExponentialLaw& law) { return law.parallel; }
 double devices_of(const ChannelCurve&) { return 1.0; }
 
 template <class Law>
-class Fit {
+class TangentFit {
  public:
-  Fit(const Law& law, const Spectrum& spectrum) : law_(law), spectrum_(spectrum) {}
+  TangentFit(const Law& law, const Spectrum& spectrum) : law_(law), spectrum_(spectrum) {}
 
   [[nodiscard]] Misfit misfit(const std::vector<double>& currents) const {
     const std::vector<model::Tangent> tangents = at(currents);
@@ -102,7 +102,7 @@ class Fit {
 template <class Law>
 DiodeLines fewest_lines(const Law& law, const Spectrum& spectrum, double mean, double tolerance) {
   constexpr std::size_t most = 3;
-  const Fit<Law> fit(law, spectrum);
+  const TangentFit<Law> fit(law, spectrum);
   std::vector<double> currents{mean};
   while (currents.size() < most && fit.misfit(currents).deviation > tolerance) currents = fit.with_one_more(std::move(currents));
   return fit.lines(std::move(currents));

@@ -143,19 +143,47 @@ void warn_of_folded(const FlatCircuit& circuit, Reporter& reporter) {
   }
 }
 
-}  // namespace
-
-std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources, Diagnostics& diagnostics, const CompileOptions& options) {
-  Reporter reporter(diagnostics, sources);
+/// With another node as ground where none is written.
+Flattened flatten_with_ground(const netlist::Deck& deck, SourceStore& sources, Reporter& reporter, const CompileOptions& options) {
   Flattened flattened = flatten(deck, sources, reporter, options.analysis_required, options.run);
-  if (!flattened.expanded) return std::nullopt;
-  if (const std::string ground = reporter.failed() ? "" : missing_ground(flattened.circuit); !ground.empty()) {
+  if (!flattened.expanded || reporter.failed()) return flattened;
+  if (const std::string ground = missing_ground(flattened.circuit); !ground.empty()) {
     Diagnostics said;  // the first time
     Reporter known(said, sources);
     flattened = flatten(deck, sources, known, options.analysis_required, options.run, ground);
     reporter.note("N-no-ground", deck.title_span,
                   fmt::format("no element is connected to ground: the node {} is used as ground; try 0 as its name", ground));
   }
+  return flattened;
+}
+
+Compiled result_of(FlatCircuit&& circuit, model::Network&& network, const CompileOptions& options, Reporter& reporter) {
+  Compiled compiled{circuit.title, std::move(network), circuit.analyses, std::nullopt};
+  if (options.measure) compiled.measurements = circuit.measurements;
+  if (options.measure) compiled.orbit_measurements = circuit.orbit_measurements;
+  compiled.measured_signals = circuit.measured_signals;
+  compiled.drawn_signals = circuit.drawn_signals;
+  compiled.hidden = circuit.hidden;
+  compiled.draws_random = circuit.draws_random;
+  compiled.has_mosfets =
+      std::any_of(circuit.instances.begin(), circuit.instances.end(), [](const elements::Instance& i) { return i.kind->letter == 'M'; });
+  compiled.has_machines = circuit.has_machines;
+  compiled.names_signals =
+      std::any_of(circuit.saves.begin(), circuit.saves.end(), [](const SaveRequest& save) { return save.kind != SaveRequest::Kind::all; });
+  compiled.rated_ports = rated_ports(circuit, compiled.network, reporter);
+  compiled.rated_currents = rated_currents(circuit, reporter);
+  for (model::Switch& contact : compiled.network.switches)
+    if (circuit.hidden.hold(contact.label.name)) contact.written.reset();
+  if (options.keep_circuit) compiled.circuit = std::move(circuit);
+  return compiled;
+}
+
+}  // namespace
+
+std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources, Diagnostics& diagnostics, const CompileOptions& options) {
+  Reporter reporter(diagnostics, sources);
+  Flattened flattened = flatten_with_ground(deck, sources, reporter, options);
+  if (!flattened.expanded) return std::nullopt;
   FlatCircuit& circuit = flattened.circuit;
   if (circuit.analyses.sweeps.runs() == 0) circuit.drawn = options.drawn;
   hold_sources(options.held, circuit);
@@ -178,24 +206,7 @@ std::optional<Compiled> compile(const netlist::Deck& deck, SourceStore& sources,
     network->signals.resize(network->signals.size() - std::exchange(circuit.measured_signals, 0));
     circuit.drawn_signals = 0;
   }
-  Compiled compiled{circuit.title, std::move(*network), circuit.analyses, std::nullopt};
-  if (options.measure) compiled.measurements = circuit.measurements;
-  if (options.measure) compiled.orbit_measurements = circuit.orbit_measurements;
-  compiled.measured_signals = circuit.measured_signals;
-  compiled.drawn_signals = circuit.drawn_signals;
-  compiled.hidden = circuit.hidden;
-  compiled.draws_random = circuit.draws_random;
-  compiled.has_mosfets =
-      std::any_of(circuit.instances.begin(), circuit.instances.end(), [](const elements::Instance& i) { return i.kind->letter == 'M'; });
-  compiled.has_machines = circuit.has_machines;
-  compiled.names_signals =
-      std::any_of(circuit.saves.begin(), circuit.saves.end(), [](const SaveRequest& save) { return save.kind != SaveRequest::Kind::all; });
-  compiled.rated_ports = rated_ports(circuit, compiled.network, reporter);
-  compiled.rated_currents = rated_currents(circuit, reporter);
-  for (model::Switch& contact : compiled.network.switches)
-    if (circuit.hidden.hold(contact.label.name)) contact.written.reset();
-  if (options.keep_circuit) compiled.circuit = std::move(circuit);
-  return compiled;
+  return result_of(std::move(circuit), std::move(*network), options, reporter);
 }
 
 }  // namespace pwlsim::circuit

@@ -44,9 +44,9 @@ bool is_placeholder(const Definition& definition, const Card& card) {
          !definition.models.contains(without_case(last));
 }
 
-class Reader {
+class DefinitionReader {
  public:
-  Reader(const netlist::Deck& deck, Reporter& reporter) : deck_(deck), reporter_(reporter) {}
+  DefinitionReader(const netlist::Deck& deck, Reporter& reporter) : deck_(deck), reporter_(reporter) {}
 
   Definitions read() {
     open({}, deck_.title_span);
@@ -361,7 +361,7 @@ class Reader {
 
 }  // namespace
 
-Definitions read_definitions(const netlist::Deck& deck, Reporter& reporter) { return Reader(deck, reporter).read(); }
+Definitions read_definitions(const netlist::Deck& deck, Reporter& reporter) { return DefinitionReader(deck, reporter).read(); }
 
 netlist::Item made_word(std::string text, SourceSpan span) {
   netlist::Item item;

@@ -20,8 +20,6 @@ using netlist::Item;
 
 constexpr std::string_view voltage_mark = "{V}";
 
-bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
-
 /// Takes what stands before the next `mark` away from `rest`, without blanks around it.
 std::string_view take(std::string_view& rest, char mark) {
   const std::size_t end = std::min(rest.find(mark), rest.size());

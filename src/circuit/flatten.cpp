@@ -20,6 +20,36 @@
 
 namespace pwlsim::circuit {
 
+namespace {
+
+/// Puts other cards for those that stand for several elements. `unreadable`: cards that could not be read, of which one may be missing.
+void replace_cards(Definitions& definitions, std::size_t unreadable, Reporter& reporter, FlatCircuit& circuit) {
+  make_state_machines(definitions, reporter);
+  circuit.has_machines =
+      std::any_of(definitions.all.begin(), definitions.all.end(), [](const auto& each) { return !each->machines.empty(); });
+  circuit.has_gaps = unreadable > soften_unused_subcircuits(definitions, reporter);
+  circuit.written_by_ltspice = definitions.written_by_ltspice;
+  circuit.prints = definitions.prints;
+  measure_powers(definitions);
+  replace_control_switches(definitions);
+  replace_xspice_logic(definitions, reporter);
+  replace_logic_devices(definitions, reporter);
+}
+
+/// Steps and options for this run: all runs have the same steps, each has random numbers of its own.
+Options begin_run(const Definitions& definitions, std::size_t run, Scope& top, Session& session, Reporter& reporter, Analyses& analyses) {
+  const std::uint64_t seed = written_seed(definitions);
+  session.random = Random(seed, 0);  // all runs have the same steps
+  read_sweeps(definitions, top, reporter, analyses.sweeps);
+  give_stepped_parameters(analyses.sweeps, run, top);
+  session.random = Random(seed, run);
+  Options options = read_options(definitions, top, reporter, analyses);
+  if (options.seed != seed) session.random = Random(options.seed, run);
+  return options;
+}
+
+}  // namespace
+
 Flattened flatten(const netlist::Deck& written, SourceStore& sources, Reporter& reporter, bool analysis_required, std::size_t run,
                   const std::string& ground) {
   Flattened result;
@@ -30,29 +60,13 @@ Flattened flatten(const netlist::Deck& written, SourceStore& sources, Reporter& 
   circuit.stands_for_ground = ground;
   const std::size_t unreadable = reporter.error_count();
   Definitions definitions = read_definitions(deck, reporter);
-  make_state_machines(definitions, reporter);
-  circuit.has_machines =
-      std::any_of(definitions.all.begin(), definitions.all.end(), [](const auto& each) { return !each->machines.empty(); });
-  circuit.has_gaps = unreadable > soften_unused_subcircuits(definitions, reporter);  // a card that could not be read may be missing
-  circuit.written_by_ltspice = definitions.written_by_ltspice;
-  circuit.prints = definitions.prints;
-  measure_powers(definitions);
-  replace_control_switches(definitions);
-  replace_xspice_logic(definitions, reporter);
-  replace_logic_devices(definitions, reporter);
+  replace_cards(definitions, unreadable, reporter, circuit);
   const std::vector<netlist::Deck> shipped = add_shipped_subcircuits(definitions, sources, reporter);
   const DeviceModels devices = add_device_models(definitions, sources, reporter);
   const ExpressionEvaluation evaluation;
   Session session(reporter, evaluation);
   Scope top(*definitions.all.front(), nullptr, session);
-  Sweeps& sweeps = circuit.analyses.sweeps;
-  const std::uint64_t seed = written_seed(definitions);
-  session.random = Random(seed, 0);  // all runs have the same steps
-  read_sweeps(definitions, top, reporter, sweeps);
-  give_stepped_parameters(sweeps, run, top);
-  session.random = Random(seed, run);
-  const Options options = read_options(definitions, top, reporter, circuit.analyses);
-  if (options.seed != seed) session.random = Random(options.seed, run);
+  const Options options = begin_run(definitions, run, top, session, reporter, circuit.analyses);
   read_sensitivities(definitions, top, reporter, circuit);
   top.evaluate_all();
   read_analyses(definitions, deck.title_span, top, reporter, analysis_required, circuit);
@@ -64,7 +78,7 @@ Flattened flatten(const netlist::Deck& written, SourceStore& sources, Reporter& 
   Binder binder(circuit, definitions, models, reporter);
   Place place{top, "", {}};
   Expander(circuit, binder, session).expand(place);
-  set_stepped_elements(sweeps, run, reporter, circuit);
+  set_stepped_elements(circuit.analyses.sweeps, run, reporter, circuit);
   read_raw_systems(definitions.raw_systems, top, reporter, circuit);
   check_trigger(reporter, circuit);
   models.check_unused(top, deck.title_span.file);

@@ -17,7 +17,7 @@ struct Derivative {
 
 double square(double x) { return x * x; }
 
-constexpr Derivative of_one[] = {
+constexpr Derivative derivatives_of_one[] = {
     {"sqrt", [](double x) { return 0.5 / std::sqrt(x); }},
     {"exp", [](double x) { return std::exp(x); }},
     {"ln", [](double x) { return 1.0 / x; }},
@@ -39,8 +39,6 @@ constexpr Derivative of_one[] = {
     {"acosh", [](double x) { return 1.0 / std::sqrt(x * x - 1.0); }},
     {"atanh", [](double x) { return 1.0 / (1.0 - x * x); }},
 };
-
-double sign(double x) { return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0); }
 
 Partials power_partials(double a, double b) {
   Partials p;
@@ -86,8 +84,9 @@ void of_several(std::string_view name, ArgumentValues a, std::span<double> out, 
 
 void function_partials(const BuiltinFunction& function, ArgumentValues arguments, std::span<double> partials, bool& has_kink) {
   std::fill(partials.begin(), partials.end(), 0.0);
-  const auto* known = std::find_if(std::begin(of_one), std::end(of_one), [&](const Derivative& d) { return d.name == function.name; });
-  if (known != std::end(of_one))
+  const auto* known = std::find_if(std::begin(derivatives_of_one), std::end(derivatives_of_one),
+                                   [&](const Derivative& d) { return d.name == function.name; });
+  if (known != std::end(derivatives_of_one))
     partials[0] = known->value(arguments[0]);
   else
     of_several(function.name, arguments, partials, has_kink);

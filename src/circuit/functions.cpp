@@ -9,21 +9,20 @@
 namespace pwlsim::circuit {
 namespace {
 
-using Arguments = std::span<const double>;
+using ArgumentValues = std::span<const double>;
 
 constexpr std::size_t any_number = std::numeric_limits<std::size_t>::max();
 
 template <double (*F)(double)>
-double of_one(Arguments a) {
+double of_one(ArgumentValues a) {
   return F(a[0]);
 }
 template <double (*F)(double, double)>
-double of_two(Arguments a) {
+double of_two(ArgumentValues a) {
   return F(a[0], a[1]);
 }
 
-double sign(double x) { return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0); }
-double median(Arguments a) { return std::max(std::min(a[0], a[1]), std::min(std::max(a[0], a[1]), a[2])); }
+double median(ArgumentValues a) { return std::max(std::min(a[0], a[1]), std::min(std::max(a[0], a[1]), a[2])); }
 
 constexpr BuiltinFunction functions[] = {
     {"sqrt", 1, 1, of_one<std::sqrt>},
@@ -50,19 +49,19 @@ constexpr BuiltinFunction functions[] = {
     {"atanh", 1, 1, of_one<std::atanh>},
     {"abs", 1, 1, of_one<std::fabs>},
     {"pow", 2, 2, of_two<std::pow>},
-    {"pwr", 2, 2, [](Arguments a) { return std::pow(std::fabs(a[0]), a[1]); }},
-    {"pwrs", 2, 2, [](Arguments a) { return sign(a[0]) * std::pow(std::fabs(a[0]), a[1]); }},
+    {"pwr", 2, 2, [](ArgumentValues a) { return std::pow(std::fabs(a[0]), a[1]); }},
+    {"pwrs", 2, 2, [](ArgumentValues a) { return sign(a[0]) * std::pow(std::fabs(a[0]), a[1]); }},
     {"floor", 1, 1, of_one<std::floor>},
     {"ceil", 1, 1, of_one<std::ceil>},
     {"int", 1, 1, of_one<std::trunc>},
     {"round", 1, 1, of_one<std::round>},
-    {"mod", 2, 2, [](Arguments a) { return a[0] - a[1] * std::floor(a[0] / a[1]); }},
-    {"buf", 1, 1, [](Arguments a) { return a[0] > 0.5 ? 1.0 : 0.0; }},
-    {"inv", 1, 1, [](Arguments a) { return a[0] > 0.5 ? 0.0 : 1.0; }},
+    {"mod", 2, 2, [](ArgumentValues a) { return a[0] - a[1] * std::floor(a[0] / a[1]); }},
+    {"buf", 1, 1, [](ArgumentValues a) { return a[0] > 0.5 ? 1.0 : 0.0; }},
+    {"inv", 1, 1, [](ArgumentValues a) { return a[0] > 0.5 ? 0.0 : 1.0; }},
     {"sgn", 1, 1, of_one<sign>},
     {"limit", 3, 3, median, true},
-    {"min", 2, any_number, [](Arguments a) { return *std::min_element(a.begin(), a.end()); }, true},
-    {"max", 2, any_number, [](Arguments a) { return *std::max_element(a.begin(), a.end()); }, true},
+    {"min", 2, any_number, [](ArgumentValues a) { return *std::min_element(a.begin(), a.end()); }, true},
+    {"max", 2, any_number, [](ArgumentValues a) { return *std::max_element(a.begin(), a.end()); }, true},
 };
 
 struct SpelledOperator {

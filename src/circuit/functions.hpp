@@ -18,6 +18,9 @@ struct BuiltinFunction {
 [[nodiscard]] std::span<const BuiltinFunction> builtin_functions();
 [[nodiscard]] const BuiltinFunction* find_builtin(std::string_view name);
 
+/// −1, 0 or 1.
+[[nodiscard]] constexpr double sign(double x) { return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0); }
+
 using BinaryOperator = double (*)(double, double);
 /// By the deck's spelling; nan if unknown.
 [[nodiscard]] BinaryOperator find_binary(std::string_view op);

@@ -19,15 +19,15 @@ bool is_probe(const Expression& expression) {
   return expression.kind == Expression::Kind::call && (same_name(expression.text, "v") || same_name(expression.text, "i"));
 }
 
-bool reads_signals(const Expression& expression) {
-  return is_probe(expression) || std::any_of(expression.arguments.begin(), expression.arguments.end(), reads_signals);
+bool reads_probes(const Expression& expression) {
+  return is_probe(expression) || std::any_of(expression.arguments.begin(), expression.arguments.end(), reads_probes);
 }
 
 bool has_product_of_signals(const Expression& expression) {
   constexpr std::string_view products[] = {"*", "/"}, powers[] = {"^", "**", "pow"};
   const bool is_product = expression.kind == Expression::Kind::binary && is_one_of(products, expression.text);
-  if (is_product && std::all_of(expression.arguments.begin(), expression.arguments.end(), reads_signals)) return true;
-  if (is_one_of(powers, expression.text) && !expression.arguments.empty() && reads_signals(expression.arguments[0])) return true;
+  if (is_product && std::all_of(expression.arguments.begin(), expression.arguments.end(), reads_probes)) return true;
+  if (is_one_of(powers, expression.text) && !expression.arguments.empty() && reads_probes(expression.arguments[0])) return true;
   return !is_probe(expression) && std::any_of(expression.arguments.begin(), expression.arguments.end(), has_product_of_signals);
 }
 

@@ -15,10 +15,10 @@ namespace {
 using netlist::Card;
 using netlist::Item;
 using ItemKind = Item::Kind;
-using Kind = Measurement::Kind;
+using MeasurementKind = Measurement::Kind;
 using Results = std::unordered_map<std::string, int>;
 
-constexpr std::string_view usage =
+constexpr std::string_view meas_usage =
     ".meas [tran|pss] name AVG|MIN|MAX|PP|RMS|INTEG expr [FROM= TO=] | FIND expr AT= | FIND expr WHEN a=b [RISE=] | WHEN a=b | TRIG a=b "
     "TARG "
     "c=d | "
@@ -29,24 +29,24 @@ constexpr double most_harmonics = 10000;
 
 struct KindName {
   std::string_view name;
-  Kind kind;
+  MeasurementKind kind;
 };
 constexpr KindName kind_names[] = {
-    {"avg", Kind::average},
-    {"min", Kind::minimum},
-    {"max", Kind::maximum},
-    {"pp", Kind::peak_to_peak},
-    {"rms", Kind::rms},
-    {"integ", Kind::integral},
-    {"integral", Kind::integral},
-    {"min_at", Kind::time_of_minimum},
-    {"max_at", Kind::time_of_maximum},
-    {"find", Kind::value},
-    {"deriv", Kind::derivative},
-    {"derivative", Kind::derivative},
-    {"when", Kind::time},
-    {"param", Kind::parameter},
-    {"period", Kind::period},
+    {"avg", MeasurementKind::average},
+    {"min", MeasurementKind::minimum},
+    {"max", MeasurementKind::maximum},
+    {"pp", MeasurementKind::peak_to_peak},
+    {"rms", MeasurementKind::rms},
+    {"integ", MeasurementKind::integral},
+    {"integral", MeasurementKind::integral},
+    {"min_at", MeasurementKind::time_of_minimum},
+    {"max_at", MeasurementKind::time_of_maximum},
+    {"find", MeasurementKind::value},
+    {"deriv", MeasurementKind::derivative},
+    {"derivative", MeasurementKind::derivative},
+    {"when", MeasurementKind::time},
+    {"param", MeasurementKind::parameter},
+    {"period", MeasurementKind::period},
 };
 
 bool is_keyword(const Item& item) { return item.kind == ItemKind::word && netlist::is_measurement_keyword(item.text); }
@@ -96,7 +96,7 @@ class CardReader {
 
  private:
   std::nullopt_t fail(std::string id, SourceSpan span, std::string_view what) {
-    reporter_.error(std::move(id), span, fmt::format("measurement {}: {}; usage: {}", name_, what, usage));
+    reporter_.error(std::move(id), span, fmt::format("measurement {}: {}; usage: {}", name_, what, meas_usage));
     return std::nullopt;
   }
   bool refuse(std::string id, SourceSpan span, std::string_view what) {
@@ -124,17 +124,17 @@ class CardReader {
     }
     ++at_;
     measurement.kind = found->kind;
-    if (measurement.kind == Kind::time) return read_when(measurement);
-    if (measurement.kind == Kind::period)
+    if (measurement.kind == MeasurementKind::time) return read_when(measurement);
+    if (measurement.kind == MeasurementKind::period)
       return is_of_orbit_ || refuse("E-measurement", word.span, "PERIOD is that of the periodic steady state; try .meas pss");
     std::optional<MeasuredExpression> expression = next_expression("an expression");
     if (!expression) return false;
     measurement.expression = std::move(*expression);
     const SourceSpan span = measurement.expression.span;
-    if (measurement.kind == Kind::parameter)
+    if (measurement.kind == MeasurementKind::parameter)
       return !is_of_motion(measurement.expression) ||
              refuse("E-measurement", span, "PARAM takes numbers and results of other measurements; for a signal at a time try FIND … AT=");
-    if (measurement.kind == Kind::value || measurement.kind == Kind::derivative) return read_place(measurement);
+    if (measurement.kind == MeasurementKind::value || measurement.kind == MeasurementKind::derivative) return read_place(measurement);
     return at("trig") ? read_window_between(measurement) : read_window(measurement);
   }
 
@@ -166,8 +166,8 @@ class CardReader {
   }
 
   static void take_instant(Measurement& measurement, MeasuredExpression time) {
-    if (measurement.kind == Kind::time) {
-      measurement.kind = Kind::parameter;
+    if (measurement.kind == MeasurementKind::time) {
+      measurement.kind = MeasurementKind::parameter;
       measurement.expression = std::move(time);
     } else {
       measurement.at = std::move(time);
@@ -265,7 +265,7 @@ class CardReader {
     const std::optional<int> from = read_instant("trig");
     const std::optional<int> to = from ? read_instant("targ") : std::nullopt;
     if (!to) return false;
-    measurement.kind = Kind::parameter;
+    measurement.kind = MeasurementKind::parameter;
     measurement.expression = result(*to);
     measurement.expression.steps.push_back(result(*from).steps.front());
     measurement.expression.steps.push_back({.kind = MeasuredExpression::Step::Kind::operation, .operation = "-"});
@@ -279,11 +279,11 @@ class CardReader {
     part.name = fmt::format("{} of {}", keyword == "targ" ? "TARG" : "TRIG", name_);
     part.span = card_.span;
     part.shown = false;
-    part.kind = Kind::time;
+    part.kind = MeasurementKind::time;
     if (take("at")) {
       std::optional<MeasuredExpression> time = next_number("AT=");
       if (!time) return std::nullopt;
-      part.kind = Kind::parameter;
+      part.kind = MeasurementKind::parameter;
       part.expression = std::move(*time);
     } else if (!read_when(part)) {
       return std::nullopt;
@@ -326,10 +326,10 @@ class CardReader {
   std::string name_;
 };
 
-class Reader {
+class MeasurementReader {
  public:
   /// Those of the periodic steady state, or of the transient run.
-  Reader(Scope& scope, Reporter& reporter, FlatCircuit& circuit, bool of_orbit)
+  MeasurementReader(Scope& scope, Reporter& reporter, FlatCircuit& circuit, bool of_orbit)
       : scope_(scope),
         reporter_(reporter),
         circuit_(circuit),
@@ -385,7 +385,7 @@ class Reader {
     });
     const Item& name = card.items[name_place(card)];
     Measurement measurement;
-    measurement.kind = Kind::time;
+    measurement.kind = MeasurementKind::time;
     measurement.name = name.text;
     measurement.span = name.span;
     measurement.shown = false;
@@ -405,7 +405,7 @@ class Reader {
       return;
     }
     if (place >= card.items.size() || card.items[place].kind != ItemKind::word) {
-      reporter_.error("E-missing-value", card.span, fmt::format("{} names no measurement; usage: {}", card.name, usage));
+      reporter_.error("E-missing-value", card.span, fmt::format("{} names no measurement; usage: {}", card.name, meas_usage));
       return;
     }
     const Item& name = card.items[place];
@@ -502,7 +502,7 @@ void read_measurements(const Definitions& definitions, Scope& scope, Reporter& r
   if (!has_orbit && of_orbit != cards.end()) ignore(**of_orbit, ".pss");
   if (!has_transient && of_run != cards.end()) ignore(**of_run, ".tran");
   if (!has_transient && !has_orbit && !definitions.fourier_analyses.empty()) ignore(*definitions.fourier_analyses.front(), ".tran");
-  Reader run(scope, reporter, circuit, false), orbit(scope, reporter, circuit, true);
+  MeasurementReader run(scope, reporter, circuit, false), orbit(scope, reporter, circuit, true);
   if (has_transient) run.read(cards);
   if (has_orbit) orbit.read(cards);
   for (const Card* card : definitions.fourier_analyses)

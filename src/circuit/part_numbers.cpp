@@ -9,7 +9,6 @@
 namespace pwlsim::circuit {
 namespace {
 
-bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 
 /// Takes a name apart from its begin. What cannot be taken stays.

@@ -9,19 +9,19 @@
 namespace pwlsim::circuit {
 namespace {
 
-using Arguments = std::span<const double>;
+using ArgumentValues = std::span<const double>;
 
 double both_ways(Random& random) { return 2.0 * random.uniform() - 1.0; }
 
 /// LTspice: gauss(σ), flat(a), mc(value, tolerance). ngspice: the others, whose last argument is the number of σ that a spread means.
-constexpr RandomFunction functions[] = {
-    {"gauss", 1, [](Arguments a, Random& r) { return a[0] * r.normal(); }},
-    {"flat", 1, [](Arguments a, Random& r) { return a[0] * both_ways(r); }},
-    {"mc", 2, [](Arguments a, Random& r) { return a[0] * (1.0 + a[1] * both_ways(r)); }},
-    {"gauss", 3, [](Arguments a, Random& r) { return a[0] * (1.0 + a[1] / a[2] * r.normal()); }},
-    {"agauss", 3, [](Arguments a, Random& r) { return a[0] + a[1] / a[2] * r.normal(); }},
-    {"unif", 2, [](Arguments a, Random& r) { return a[0] * (1.0 + a[1] * both_ways(r)); }},
-    {"aunif", 2, [](Arguments a, Random& r) { return a[0] + a[1] * both_ways(r); }},
+constexpr RandomFunction random_functions[] = {
+    {"gauss", 1, [](ArgumentValues a, Random& r) { return a[0] * r.normal(); }},
+    {"flat", 1, [](ArgumentValues a, Random& r) { return a[0] * both_ways(r); }},
+    {"mc", 2, [](ArgumentValues a, Random& r) { return a[0] * (1.0 + a[1] * both_ways(r)); }},
+    {"gauss", 3, [](ArgumentValues a, Random& r) { return a[0] * (1.0 + a[1] / a[2] * r.normal()); }},
+    {"agauss", 3, [](ArgumentValues a, Random& r) { return a[0] + a[1] / a[2] * r.normal(); }},
+    {"unif", 2, [](ArgumentValues a, Random& r) { return a[0] * (1.0 + a[1] * both_ways(r)); }},
+    {"aunif", 2, [](ArgumentValues a, Random& r) { return a[0] + a[1] * both_ways(r); }},
 };
 
 }  // namespace
@@ -40,13 +40,14 @@ double Random::normal() {
 }
 
 const RandomFunction* find_random_function(std::string_view name, std::size_t arguments) {
-  const auto* found = std::find_if(std::begin(functions), std::end(functions),
+  const auto* found = std::find_if(std::begin(random_functions), std::end(random_functions),
                                    [&](const RandomFunction& f) { return same_name(f.name, name) && f.arguments == arguments; });
-  return found == std::end(functions) ? nullptr : found;
+  return found == std::end(random_functions) ? nullptr : found;
 }
 
 bool is_random_function(std::string_view name) {
-  return std::any_of(std::begin(functions), std::end(functions), [&](const RandomFunction& f) { return same_name(f.name, name); });
+  return std::any_of(std::begin(random_functions), std::end(random_functions),
+                     [&](const RandomFunction& f) { return same_name(f.name, name); });
 }
 
 }  // namespace pwlsim::circuit

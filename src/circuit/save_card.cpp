@@ -15,7 +15,7 @@ using netlist::Card;
 using netlist::Item;
 using ItemKind = Item::Kind;
 
-constexpr std::string_view usage = "v(node), v(node,node), i(element), x(system,1), u(system,1), y(system,1), or all";
+constexpr std::string_view signal_usage = "v(node), v(node,node), i(element), x(system,1), u(system,1), y(system,1), or all";
 
 bool holds_words(const Item& group, std::size_t least, std::size_t most) {
   if (group.items.size() < least || group.items.size() > most) return false;
@@ -113,12 +113,12 @@ std::optional<SaveRequest> save_request(const Item& item, Reporter& reporter) {
     request.number = std::stoi(item.items[1].text);
   } else if (is_other_output(item)) {
     reporter.warning("W-ignored-output", item.span,
-                     fmt::format("'{}' is left out: only {} are saved; .meas takes expressions", reporter.text(item.span), usage));
+                     fmt::format("'{}' is left out: only {} are saved; .meas takes expressions", reporter.text(item.span), signal_usage));
     return std::nullopt;
   } else {
     const std::string cure = item.kind == ItemKind::word ? fmt::format("; try v({})", item.text) : "";
     reporter.error("E-unknown-signal", item.span,
-                   fmt::format("'{}' is not a signal; signals are {}{}", reporter.text(item.span), usage, cure));
+                   fmt::format("'{}' is not a signal; signals are {}{}", reporter.text(item.span), signal_usage, cure));
     return std::nullopt;
   }
   if (request.kind != SaveRequest::Kind::all) {
@@ -144,7 +144,8 @@ std::optional<SaveRequest> signal_request(const netlist::Expression& call, Repor
   const bool is_raw = !is_voltage && !is_current;
   const bool fits = is_voltage ? count == 1 || count == 2 : is_current ? count == 1 : count == 2 && is_whole_number(call.arguments[1].text);
   if (!fits) {
-    reporter.error("E-unknown-signal", call.span, fmt::format("'{}' is not a signal; signals are {}", reporter.text(call.span), usage));
+    reporter.error("E-unknown-signal", call.span,
+                   fmt::format("'{}' is not a signal; signals are {}", reporter.text(call.span), signal_usage));
     return std::nullopt;
   }
   request.kind = is_voltage ? SaveRequest::Kind::voltage : is_current ? SaveRequest::Kind::current : SaveRequest::Kind::raw;
@@ -164,7 +165,7 @@ void read_saves(Definitions& definitions, Reporter& reporter, FlatCircuit& circu
   for (const Card* card : definitions.saves) {
     const bool names_analysis = same_name(card->name, ".print") || same_name(card->name, ".probe");
     if (card->items.empty() && same_name(card->name, ".save") && !card->damaged) {
-      reporter.error("E-missing-value", card->span, fmt::format(".save names no signal; they are {}", usage));
+      reporter.error("E-missing-value", card->span, fmt::format(".save names no signal; they are {}", signal_usage));
     }
     for (const Item& item : card->items) {
       const bool analysis_name = names_analysis && &item == &card->items[0] && is_word(item, "tran");

@@ -17,7 +17,7 @@ using netlist::Card;
 using netlist::Item;
 using ItemKind = Item::Kind;
 
-constexpr std::string_view usage =
+constexpr std::string_view step_usage =
     ".step param name start stop step | list a b … | dec|oct start stop points; .step TYPE model(parameter) start stop step";
 /// First letters of elements whose value can be stepped.
 constexpr std::string_view stepped_elements = "virlc";
@@ -133,7 +133,7 @@ class SweepReader {
   }
 
   std::nullopt_t fail(std::string id, SourceSpan span, std::string_view text) {
-    reporter_.error(std::move(id), span, fmt::format(".step: {}; usage: {}", text, usage));
+    reporter_.error(std::move(id), span, fmt::format(".step: {}; usage: {}", text, step_usage));
     return std::nullopt;
   }
 

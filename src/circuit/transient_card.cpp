@@ -13,7 +13,7 @@ using netlist::Card;
 using netlist::Item;
 using ItemKind = Item::Kind;
 
-constexpr std::string_view usage = ".tran Tstep Tstop [Tstart [Tmax]] [uic] or .tran Tstop [uic]";
+constexpr std::string_view tran_usage = ".tran Tstep Tstop [Tstart [Tmax]] [uic] or .tran Tstop [uic]";
 constexpr double rounding_of_quotient = 1e-15;  ///< of two decimals
 
 struct Time {
@@ -22,7 +22,7 @@ struct Time {
 };
 
 void report_no_times(const Card& card, Reporter& reporter) {
-  reporter.error("E-missing-value", card.span, fmt::format(".tran has no times; usage: {}", usage));
+  reporter.error("E-missing-value", card.span, fmt::format(".tran has no times; usage: {}", tran_usage));
 }
 
 class TransientReader {
@@ -46,7 +46,7 @@ class TransientReader {
 
  private:
   std::nullopt_t fail(std::string id, SourceSpan span, std::string_view text) {
-    reporter_.error(std::move(id), span, fmt::format("{}; usage: {}", text, usage));
+    reporter_.error(std::move(id), span, fmt::format("{}; usage: {}", text, tran_usage));
     ok_ = false;
     return std::nullopt;
   }
@@ -64,7 +64,7 @@ class TransientReader {
     } else if (is_word(item, "nodiscard")) {
       return;  // every row from Tstart on is kept anyway
     } else if (item.kind == ItemKind::word && is_foreign(item.text)) {
-      reporter_.error("E-not-supported", item.span, fmt::format("{} on .tran is not supported; usage: {}", item.text, usage));
+      reporter_.error("E-not-supported", item.span, fmt::format("{} on .tran is not supported; usage: {}", item.text, tran_usage));
       ok_ = false;
     } else if (item.kind == ItemKind::assignment) {
       fail("E-unexpected", item.span, fmt::format("unexpected '{}'", item.text));

@@ -44,9 +44,11 @@ struct BlockKind {
 extern const ModelKind gain_model, summer_model, limit_model, hyst_model, pwl_model, relay_model, deadzone_model, friction_model;
 extern const ModelKind integrator_model, transfer_model, derivative_model;
 
+inline constexpr Parameter in_offset{"in_offset", "", 0.0, Range::any, false, "Added to the input."};
+inline constexpr Parameter out_offset{"out_offset", "", 0.0, Range::any, false, "Added to the output."};
 /// Parameters of other simulators for rounded corners; here corners are sharp.
 inline constexpr Parameter limit_range{"limit_range", "", 1e-6, Range::any, false, "Width of rounded corners.", Use::ignored};
-inline constexpr Parameter fraction{"fraction", "", 0.0, Range::any, false, "Whether that width is relative.", Use::ignored};
+inline constexpr Parameter range_is_relative{"fraction", "", 0.0, Range::any, false, "Whether that width is relative.", Use::ignored};
 inline constexpr Parameter input_domain{"input_domain", "", 0.01, Range::any, false, "Width of rounded corners.", Use::ignored};
 
 }  // namespace pwlsim::elements

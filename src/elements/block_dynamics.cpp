@@ -80,25 +80,23 @@ void complete_transfer(Model& model, const Settings&, Diagnostics& diagnostics) 
                       fmt::format("int_ic of {} other than zero is not supported; try int blocks", model.name));
 }
 
-constexpr Parameter in_offset{"in_offset", "", 0.0, Range::any, false, "Added to the input."};
-constexpr Parameter gain{"gain", "", 1.0, Range::any, false, "Factor of the input."};
-constexpr Parameter out_offset{"out_offset", "", 0.0, Range::any, false, "Added to the output."};
+constexpr Parameter input_gain{"gain", "", 1.0, Range::any, false, "Factor of the input."};
 constexpr Parameter lower{"out_lower_limit", "", -infinite, Range::any, true, "Least output."};
 constexpr Parameter upper{"out_upper_limit", "", infinite, Range::any, true, "Largest output."};
 
 constexpr Parameter integrator_parameters[] = {
-    gain,
+    input_gain,
     in_offset,
     {"out_lower_limit", "", -infinite, Range::any, true, "Least output: the integral stops there until the input reverses."},
     {"out_upper_limit", "", infinite, Range::any, true, "Largest output, likewise."},
     {"out_ic", "", 0.0, Range::any, false, "Output at the start, with and without uic."},
     limit_range,
 };
-constexpr Parameter derivative_parameters[] = {gain, out_offset, lower, upper, limit_range};
+constexpr Parameter derivative_parameters[] = {input_gain, out_offset, lower, upper, limit_range};
 constexpr Parameter transfer_parameters[] = {
     {"num_coeff", "", 1.0, Range::any, false, "Numerator, highest power of s first.", Use::honoured, true},
     {"den_coeff", "", 1.0, Range::any, false, "Denominator, highest power of s first.", Use::honoured, true},
-    gain,
+    input_gain,
     in_offset,
     out_offset,
     {"denormalized_freq", "rad/s", 1.0, Range::positive, false, "s counts in units of this rate."},

@@ -59,7 +59,7 @@ AffineSum deadzone_law(FormulaBuilder& builder, const VariedValues& v, const Inp
   return v.get("level") * (builder.step(in[0] - d) - builder.step(-1.0 * in[0] - d));
 }
 
-void check_limits(Model& model, const Settings&, Diagnostics& diagnostics) {
+void check_output_limits(Model& model, const Settings&, Diagnostics& diagnostics) {
   const Values& v = model.values;
   if (v.get("out_lower_limit") > v.get("out_upper_limit"))
     diagnostics.error("E-range", model.span, fmt::format("out_lower_limit of {} exceeds out_upper_limit", model.name));
@@ -82,11 +82,9 @@ void check_pwl(Model& model, const Settings&, Diagnostics& diagnostics) {
                         fmt::format("the x of a table must not decrease: {} follows {}", x[k], x[k - 1]));
 }
 
-constexpr Parameter in_offset{"in_offset", "", 0.0, Range::any, false, "Added to the input."};
-constexpr Parameter gain{"gain", "", 1.0, Range::any, false, "Factor applied after the offset."};
-constexpr Parameter out_offset{"out_offset", "", 0.0, Range::any, false, "Added to the output."};
+constexpr Parameter gain_after_offset{"gain", "", 1.0, Range::any, false, "Factor applied after the offset."};
 
-constexpr Parameter gain_parameters[] = {gain, in_offset, out_offset};
+constexpr Parameter gain_parameters[] = {gain_after_offset, in_offset, out_offset};
 constexpr Parameter summer_parameters[] = {
     {"in_gain", "", 1.0, Range::any, false, "Factors of the inputs, one for each or one for all.", Use::honoured, true},
     {"in_offset", "", 0.0, Range::any, false, "Added to the inputs, one for each or one for all.", Use::honoured, true},
@@ -94,12 +92,12 @@ constexpr Parameter summer_parameters[] = {
     out_offset,
 };
 constexpr Parameter limit_parameters[] = {
-    gain,
+    gain_after_offset,
     in_offset,
     {"out_lower_limit", "", 0.0, Range::any, true, "Least output."},
     {"out_upper_limit", "", 1.0, Range::any, true, "Largest output."},
     limit_range,
-    fraction,
+    range_is_relative,
 };
 constexpr Parameter hyst_parameters[] = {
     {"in_low", "", 0.0, Range::any, false, "Input where the output begins to rise, without hysteresis."},
@@ -108,13 +106,13 @@ constexpr Parameter hyst_parameters[] = {
     {"out_lower_limit", "", 0.0, Range::any, false, "Output below."},
     {"out_upper_limit", "", 1.0, Range::any, false, "Output above."},
     input_domain,
-    fraction,
+    range_is_relative,
 };
 constexpr Parameter pwl_parameters[] = {
     {"x_array", "", 0.0, Range::any, false, "Inputs of the points, not decreasing; equal ones are a vertical piece.", Use::honoured, true},
     {"y_array", "", 0.0, Range::any, false, "Outputs of the points; extrapolated beyond the ends.", Use::honoured, true},
     input_domain,
-    fraction,
+    range_is_relative,
 };
 constexpr Parameter relay_parameters[] = {
     {"level", "", 1.0, Range::any, false, "Output above zero; its negative below; any value between at zero."}};
@@ -147,7 +145,7 @@ std::vector<Varied> VariedValues::list(std::string_view name) const {
 
 const ModelKind gain_model{"gain", "gain", gain_parameters, nullptr, &gain_block};
 const ModelKind summer_model{"summer", "sum of inputs", summer_parameters, nullptr, &summer_block};
-const ModelKind limit_model{"limit", "ideal saturation", limit_parameters, check_limits, &limit_block};
+const ModelKind limit_model{"limit", "ideal saturation", limit_parameters, check_output_limits, &limit_block};
 const ModelKind hyst_model{"hyst", "hysteresis", hyst_parameters, check_hyst, &hyst_block};
 const ModelKind pwl_model{"pwl", "piecewise-linear characteristic", pwl_parameters, check_pwl, &pwl_block};
 const ModelKind relay_model{"relay", "relay", relay_parameters, nullptr, &relay_block};

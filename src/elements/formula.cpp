@@ -7,10 +7,10 @@
 namespace pwlsim::elements {
 namespace {
 
-using Kind = FormulaPart::Kind;
+using PartKind = FormulaPart::Kind;
 
 /// Coefficients that differ by less are equal but for the rounding of the arithmetic that made them.
-constexpr double rounding = 1e-14;
+constexpr double coefficient_rounding = 1e-14;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 AffineSum combine(const AffineSum& a, const AffineSum& b, double factor) {
@@ -25,7 +25,7 @@ AffineSum combine(const AffineSum& a, const AffineSum& b, double factor) {
       ++j;
     } else {
       Varied coefficient = i->second + factor * j->second;
-      if (!(std::abs(coefficient.value) > rounding * std::abs(i->second.value))) coefficient.value = 0.0;
+      if (!(std::abs(coefficient.value) > coefficient_rounding * std::abs(i->second.value))) coefficient.value = 0.0;
       if (!coefficient.is_nothing()) sum.terms.emplace_back(i->first, std::move(coefficient));
       ++i;
       ++j;
@@ -47,7 +47,8 @@ std::optional<Varied> ratio_of_terms(const AffineSum& a, const AffineSum& b) {
   const Varied ratio = a.terms[0].second / b.terms[0].second;
   for (std::size_t k = 0; k < a.terms.size(); ++k) {
     const Varied rest = a.terms[k].second - ratio * b.terms[k].second;
-    if (a.terms[k].first != b.terms[k].first || std::abs(rest.value) > rounding * std::abs(a.terms[k].second.value) || rest.moves())
+    if (a.terms[k].first != b.terms[k].first || std::abs(rest.value) > coefficient_rounding * std::abs(a.terms[k].second.value) ||
+        rest.moves())
       return std::nullopt;
   }
   return ratio;
@@ -130,7 +131,7 @@ AffineSum FormulaBuilder::positive(const AffineSum& x) {
   }
   const Varied lead = lead_of(x);
   const AffineSum normal = 1.0 / lead * x;
-  const AffineSum above = part({.kind = Kind::positive, .argument = normal});
+  const AffineSum above = part({.kind = PartKind::positive, .argument = normal});
   return lead.value > 0.0 ? lead * above : -lead * above + x;
 }
 
@@ -144,7 +145,7 @@ AffineSum FormulaBuilder::step(const AffineSum& x, double at_zero) {
     return line->slope.value > 0.0 ? risen : constant_sum(1.0) - risen;
   }
   const Varied lead = lead_of(x);
-  const AffineSum above = part({.kind = Kind::step, .argument = 1.0 / lead * x, .at_zero = lead.value > 0.0 ? at_zero : 1.0 - at_zero});
+  const AffineSum above = part({.kind = PartKind::step, .argument = 1.0 / lead * x, .at_zero = lead.value > 0.0 ? at_zero : 1.0 - at_zero});
   return lead.value > 0.0 ? above : constant_sum(1.0) - above;
 }
 
@@ -191,7 +192,7 @@ AffineSum FormulaBuilder::table(const AffineSum& x, const std::vector<TablePoint
   if (!extrapolated) segments.emplace_back(points[last].x, Varied());
   for (const auto& [start, next] : segments) {
     Varied change = next - slope;
-    if (!(std::abs(change.value) > rounding * std::max(std::abs(slope.value), std::abs(next.value)))) change.value = 0.0;
+    if (!(std::abs(change.value) > coefficient_rounding * std::max(std::abs(slope.value), std::abs(next.value)))) change.value = 0.0;
     if (!change.is_nothing()) sum = sum + change * positive(x - constant_sum(start));
     slope = next;
   }
@@ -231,7 +232,7 @@ AffineSum FormulaBuilder::choose(const Condition& condition, const AffineSum& ye
   if (!ratio && holds_at_zero(condition.value, parts_)) return hysteresis(-1.0 * margin, 0.0, 0.0, no, yes);
   if (!ratio) return hysteresis(margin, 0.0, 0.0, yes, no);
   Varied jump = difference.constant - *ratio * margin.constant;
-  if (std::abs(jump.value) <= rounding * std::abs(difference.constant.value)) jump.value = 0.0;
+  if (std::abs(jump.value) <= coefficient_rounding * std::abs(difference.constant.value)) jump.value = 0.0;
   return no + *ratio * positive(margin) + jump * condition.value;
 }
 
@@ -239,12 +240,13 @@ AffineSum FormulaBuilder::hysteresis(const AffineSum& control, const Varied& on_
                                      const AffineSum& below) {
   if (control.is_constant())
     return chosen_by(control - constant_sum(on_level), 0.0, control.constant.value > on_level.value ? above : below);
-  return part({.kind = Kind::choice, .argument = control, .above = above, .below = below, .on_level = on_level, .off_level = off_level});
+  return part(
+      {.kind = PartKind::choice, .argument = control, .above = above, .below = below, .on_level = on_level, .off_level = off_level});
 }
 
 AffineSum FormulaBuilder::integral(const AffineSum& x, const Varied& start) {
   if (x.is_number() && x.constant.is_nothing()) return constant_sum(start);
-  return part({.kind = Kind::integral, .argument = x, .start = start});
+  return part({.kind = PartKind::integral, .argument = x, .start = start});
 }
 
 AffineSum FormulaBuilder::integral(const AffineSum& x, const Varied& start, const Condition& held) {
@@ -256,7 +258,7 @@ AffineSum FormulaBuilder::integral(const AffineSum& x, const Varied& start, cons
 AffineSum FormulaBuilder::held_integral(const AffineSum& x, const Varied& start, const AffineSum& control, const Varied& level) {
   if (control.is_constant())
     return chosen_by(control - constant_sum(level), 0.0, control.constant.value > level.value ? constant_sum(start) : integral(x, start));
-  return part({.kind = Kind::integral, .argument = x, .above = control, .on_level = level, .start = start, .is_held = true});
+  return part({.kind = PartKind::integral, .argument = x, .above = control, .on_level = level, .start = start, .is_held = true});
 }
 
 /// Of signals the range is not followed.
@@ -269,19 +271,19 @@ std::optional<AffineSum> FormulaBuilder::wrapped_integral(const AffineSum& x, co
   }
   const Varied begin = start - width * std::floor((start.value - from.value) / width.value);
   return part(
-      {.kind = Kind::integral, .argument = x, .start = unfollowed(unfollowed(begin, from), width), .from = from.value, .to = to.value});
+      {.kind = PartKind::integral, .argument = x, .start = unfollowed(unfollowed(begin, from), width), .from = from.value, .to = to.value});
 }
 
 std::optional<AffineSum> FormulaBuilder::derivative(const AffineSum& x) {
   AffineSum rest, sum;
   for (const auto& [index, coefficient] : x.terms) {
     const FormulaPart inner = parts_[static_cast<std::size_t>(index)];
-    if (inner.kind == Kind::step || inner.kind == Kind::choice || inner.is_held || inner.from != inner.to) return std::nullopt;
-    if (inner.kind == Kind::positive) {
+    if (inner.kind == PartKind::step || inner.kind == PartKind::choice || inner.is_held || inner.from != inner.to) return std::nullopt;
+    if (inner.kind == PartKind::positive) {
       const std::optional<AffineSum> slope = derivative(inner.argument);
       if (!slope) return std::nullopt;
       sum = sum + coefficient * hysteresis(inner.argument, 0.0, 0.0, *slope, {});
-    } else if (inner.kind == Kind::integral) {
+    } else if (inner.kind == PartKind::integral) {
       sum = sum + coefficient * inner.argument;
     } else {
       rest.terms.emplace_back(index, coefficient);
@@ -289,27 +291,27 @@ std::optional<AffineSum> FormulaBuilder::derivative(const AffineSum& x) {
   }
   if (rest.is_number()) return sum;
   if (const auto line = line_in_time(rest)) return sum + constant_sum(line->slope);
-  return sum + part({.kind = Kind::derivative, .argument = rest});
+  return sum + part({.kind = PartKind::derivative, .argument = rest});
 }
 
 AffineSum FormulaBuilder::transfer(const AffineSum& x, const RationalFunction& fraction) {
   if (fraction.den.size() == 1) return fraction.num.back() / fraction.den[0] * x;
-  return part({.kind = Kind::transfer, .argument = x, .fraction = fraction});
+  return part({.kind = PartKind::transfer, .argument = x, .fraction = fraction});
 }
 
 std::optional<FormulaBuilder::TwoValued> FormulaBuilder::two_valued(int index) {
   const FormulaPart part = parts_[static_cast<std::size_t>(index)];
   const AffineSum itself{0.0, {{index, 1.0}}};
-  if (part.kind == Kind::step) return TwoValued{{itself, part.argument}, 0.0, 1.0};
+  if (part.kind == PartKind::step) return TwoValued{{itself, part.argument}, 0.0, 1.0};
   const auto between = [&](const Varied& below, const Varied& above, const AffineSum& margin) {
     return TwoValued{{1.0 / (above - below) * (itself - constant_sum(below)), margin}, below, above};
   };
-  if (part.kind == Kind::voltage && levels_) {
+  if (part.kind == PartKind::voltage && levels_) {
     const std::optional<Levels> levels = levels_(part.index);
     if (!levels || levels->low == levels->high) return std::nullopt;
     return between(levels->low, levels->high, itself - constant_sum(0.5 * (levels->low + levels->high)));
   }
-  const auto* pwl = part.kind == Kind::time ? std::get_if<model::Pwl>(&part.function) : nullptr;
+  const auto* pwl = part.kind == PartKind::time ? std::get_if<model::Pwl>(&part.function) : nullptr;
   if (pwl == nullptr || pwl->repeats > 0.0 || pwl->points.size() != 2 || pwl->points[0].time != pwl->points[1].time) return std::nullopt;
   const TablePoint first = corner_of(part, 0), second = corner_of(part, 1);
   return between(first.y, second.y, time() - constant_sum(first.x));
@@ -322,11 +324,11 @@ std::optional<AffineSum> FormulaBuilder::switched(int index, const Values& of_va
     return choose(values->condition, *above, *below);
   }
   const FormulaPart part = parts_[static_cast<std::size_t>(index)];
-  if (part.kind == Kind::voltage && levels_) {
+  if (part.kind == PartKind::voltage && levels_) {
     const std::optional<Levels> levels = levels_(part.index);
     return levels ? of_value(constant_sum(levels->low)) : std::nullopt;
   }
-  if (part.kind != Kind::choice) return std::nullopt;
+  if (part.kind != PartKind::choice) return std::nullopt;
   const std::optional<AffineSum> above = of_value(part.above), below = of_value(part.below);
   if (!above || !below) return std::nullopt;
   return hysteresis(part.argument, part.on_level, part.off_level, *above, *below);

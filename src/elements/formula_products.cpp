@@ -8,16 +8,16 @@
 namespace pwlsim::elements {
 namespace {
 
-using Kind = FormulaPart::Kind;
+using PartKind = FormulaPart::Kind;
 
 }  // namespace
 
 AffineSum FormulaBuilder::open_product(const AffineSum& a, const AffineSum& b) {
-  return part({.kind = Kind::product, .above = a, .below = b});
+  return part({.kind = PartKind::product, .above = a, .below = b});
 }
 
 AffineSum FormulaBuilder::open_call(const SmoothFunction& called, const AffineSum& a, const AffineSum& b) {
-  return part({.kind = Kind::call, .above = a, .below = b, .called = called});
+  return part({.kind = PartKind::call, .above = a, .below = b, .called = called});
 }
 
 std::optional<AffineSum> FormulaBuilder::call(const SmoothFunction& called, const AffineSum& a, const AffineSum& b) {
@@ -54,39 +54,39 @@ std::optional<AffineSum> FormulaBuilder::call(const SmoothFunction& called, cons
 }
 
 AffineSum FormulaBuilder::open_quotient(const AffineSum& a, const AffineSum& b) {
-  return part({.kind = Kind::quotient, .above = a, .below = b});
+  return part({.kind = PartKind::quotient, .above = a, .below = b});
 }
 
 /// The same part of this builder, whose arguments `now` gives.
 std::optional<AffineSum> FormulaBuilder::same_part(const FormulaPart& part, const Translation& now) {
   switch (part.kind) {
-    case Kind::voltage:
+    case PartKind::voltage:
       if (const std::optional<double> constant = constant_ ? constant_(part.index) : std::nullopt) return constant_sum(*constant);
       return this->part(part);
-    case Kind::current:
-    case Kind::time:
+    case PartKind::current:
+    case PartKind::time:
       return this->part(part);
-    case Kind::positive:
+    case PartKind::positive:
       return positive(now(part.argument));
-    case Kind::step:
+    case PartKind::step:
       return step(now(part.argument), part.at_zero);
-    case Kind::choice:
+    case PartKind::choice:
       return hysteresis(now(part.argument), part.on_level, part.off_level, now(part.above), now(part.below));
-    case Kind::integral:
+    case PartKind::integral:
       if (part.is_held) return held_integral(now(part.argument), part.start, now(part.above), part.on_level);
       if (part.from != part.to) return wrapped_integral(now(part.argument), part.start, part.from, part.to);
       return integral(now(part.argument), part.start);
-    case Kind::derivative:
+    case PartKind::derivative:
       return derivative(now(part.argument));
-    case Kind::transfer:
+    case PartKind::transfer:
       return transfer(now(part.argument), part.fraction);
-    case Kind::product:
+    case PartKind::product:
       return product(now(part.above), now(part.below));
-    case Kind::quotient: {
+    case PartKind::quotient: {
       const std::optional<AffineSum> inverse = reciprocal(now(part.below));
       return inverse ? product(now(part.above), *inverse) : std::nullopt;
     }
-    case Kind::call:
+    case PartKind::call:
       return call(part.called, now(part.above), now(part.below));
   }
   return std::nullopt;

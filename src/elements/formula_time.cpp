@@ -8,7 +8,7 @@
 namespace pwlsim::elements {
 namespace {
 
-using Kind = FormulaPart::Kind;
+using PartKind = FormulaPart::Kind;
 
 constexpr double half_turn = std::numbers::pi;
 /// `time` itself is a PWL source that rises to here: later than any run.
@@ -17,12 +17,14 @@ constexpr double far_future = 1e15;
 constexpr double whole_number = 1e-12;
 
 const model::Sin* oscillation_of(const FormulaPart& part) {
-  return part.kind == Kind::time ? std::get_if<model::Sin>(&part.function) : nullptr;
+  return part.kind == PartKind::time ? std::get_if<model::Sin>(&part.function) : nullptr;
 }
 
 model::Pwl time_itself() { return {{{0.0, 0.0}, {far_future, far_future}}, 0.0, 0.0}; }
 
-bool is_time_itself(const FormulaPart& part) { return part.kind == Kind::time && part.function == model::SourceFunction(time_itself()); }
+bool is_time_itself(const FormulaPart& part) {
+  return part.kind == PartKind::time && part.function == model::SourceFunction(time_itself());
+}
 
 /// The point of the line through a and b at time t.
 TablePoint at(const TablePoint& a, const TablePoint& b, double t) { return {t, a.y + (b.y - a.y) / (b.x - a.x) * (t - a.x)}; }
@@ -54,7 +56,7 @@ AffineSum chosen_by_whole(const AffineSum& x) {
 
 AffineSum FormulaBuilder::function_of_time(model::SourceFunction function, std::size_t parameters,
                                            const std::function<model::SourceFunction(std::size_t)>& move) {
-  FormulaPart own{.kind = Kind::time, .function = std::move(function)};
+  FormulaPart own{.kind = PartKind::time, .function = std::move(function)};
   for (std::size_t k = 0; k < parameters; ++k) own.function_moves.emplace_back(move(k));
   return part(std::move(own));
 }

@@ -17,10 +17,10 @@ struct Dual {
   friend Dual operator*(double factor, Dual a) { return {factor * a.value, factor * a.moved}; }
 };
 
-struct Point {
+struct DualPoint {
   Dual time, value;
 };
-using Points = std::vector<Point>;
+using DualPoints = std::vector<DualPoint>;
 
 /// Entry of a gradient; `parameter` < 0: none is asked for.
 double entry(const std::vector<double>& gradient, int parameter) {
@@ -29,23 +29,23 @@ double entry(const std::vector<double>& gradient, int parameter) {
 
 /// What becomes of a card, with the derivatives of its numbers to one parameter.
 struct Track {
-  Points points;
+  DualPoints points;
   Dual repeat_from;
   double repeats = 0.0;
 };
 
-void append(Points& points, const Point& point) {
+void append(DualPoints& points, const DualPoint& point) {
   const bool repeated = !points.empty() && points.back().time.value == point.time.value && points.back().value.value == point.value.value;
   if (!repeated) points.push_back(point);
 }
 
-void append_pass(Points& points, const Points& block, Dual base) {
-  for (const Point& point : block) append(points, {base + point.time, point.value});
+void append_pass(DualPoints& points, const DualPoints& block, Dual base) {
+  for (const DualPoint& point : block) append(points, {base + point.time, point.value});
 }
 
 /// Times made absolute within the part; empty where they are negative or decrease.
-std::optional<Points> read_part(const PwlPart& part, int parameter, Diagnostics& diagnostics) {
-  Points points;
+std::optional<DualPoints> read_part(const PwlPart& part, int parameter, Diagnostics& diagnostics) {
+  DualPoints points;
   Dual last;
   for (const PwlPoint& point : part.points) {
     const Dual written{point.time, entry(point.time_gradient, parameter)};
@@ -62,7 +62,7 @@ std::optional<Points> read_part(const PwlPart& part, int parameter, Diagnostics&
   return points;
 }
 
-bool check_part(const PwlPart& part, const Points& block, bool last, Diagnostics& diagnostics) {
+bool check_part(const PwlPart& part, const DualPoints& block, bool last, Diagnostics& diagnostics) {
   const char* complaint = nullptr;
   if (block.empty())
     complaint = "a PWL needs at least one time and value";
@@ -77,15 +77,15 @@ bool check_part(const PwlPart& part, const Points& block, bool last, Diagnostics
 }
 
 /// A later pass begins where the one before ended, so a block that starts after 0 is led there by a straight line.
-Points next_pass(const Points& block) {
-  Points points;
+DualPoints next_pass(const DualPoints& block) {
+  DualPoints points;
   if (block.front().time.value > 0.0) points.push_back({{}, block.back().value});
   points.insert(points.end(), block.begin(), block.end());
   return points;
 }
 
 /// The first pass is written out; of the others one is written where the model repeats it, all where more follows.
-void append_part(Track& track, const Points& block, double passes, bool last, Dual& base) {
+void append_part(Track& track, const DualPoints& block, double passes, bool last, Dual& base) {
   const Dual length = block.back().time;
   append_pass(track.points, block, base);
   if (last && passes > 1.0 && block.front().time.value == 0.0) {
@@ -93,7 +93,7 @@ void append_part(Track& track, const Points& block, double passes, bool last, Du
     track.repeats = passes - 1.0;
     return;
   }
-  const Points again = next_pass(block);
+  const DualPoints again = next_pass(block);
   double done = 1.0;
   for (; done < passes && !(last && done == 2.0); done += 1.0) append_pass(track.points, again, base + done * length);
   if (last && passes > 2.0) {
@@ -120,7 +120,7 @@ std::optional<Track> track_of(const PwlCard& card, int parameter, Diagnostics& d
   Dual base;
   for (std::size_t k = 0; k < card.parts.size(); ++k) {
     const bool last = k + 1 == card.parts.size();
-    const std::optional<Points> block = read_part(card.parts[k], parameter, diagnostics);
+    const std::optional<DualPoints> block = read_part(card.parts[k], parameter, diagnostics);
     if (!block || !check_part(card.parts[k], *block, last, diagnostics)) return std::nullopt;
     append_part(track, *block, card.parts[k].passes, last, base);
   }
@@ -130,14 +130,14 @@ std::optional<Track> track_of(const PwlCard& card, int parameter, Diagnostics& d
   }
   if (!apply_repeat(card, parameter, track, diagnostics)) return std::nullopt;
   const Dual delay{card.delay, entry(card.delay_gradient, parameter)};
-  for (Point& point : track.points) point.time = delay + point.time;
+  for (DualPoint& point : track.points) point.time = delay + point.time;
   track.repeat_from = delay + track.repeat_from;
   return track;
 }
 
 model::Pwl pwl_of(const Track& track, double Dual::*part) {
   model::Pwl pwl;
-  for (const Point& point : track.points) pwl.points.push_back({point.time.*part, point.value.*part});
+  for (const DualPoint& point : track.points) pwl.points.push_back({point.time.*part, point.value.*part});
   pwl.repeat_from = track.repeat_from.*part;
   pwl.repeats = track.repeats;
   return pwl;

@@ -17,7 +17,7 @@ void add_row(LinearForm& form, const Rows& rows, std::size_t index, const std::v
     if (rows[index][k] != 0.0) model::accumulate(form, quantities[k], rows[index][k]);
 }
 
-void emit(Emission& emission) {
+void emit_system(Emission& emission) {
   const RawSystem& raw = *emission.instance().raw_system;
   model::NetworkBuilder& builder = emission.builder();
   RawSignals& signals = emission.result().raw;
@@ -59,7 +59,7 @@ std::string row_text(const Rows& rows, std::size_t index, const std::vector<std:
 }
 
 /// A diode between −y and ground: its current is u. With sharpness X, −y may reach X·u.
-void smooth_twin(Twin& twin) {
+void twin_of_system(Twin& twin) {
   const RawSystem& raw = *twin.instance().raw_system;
   std::vector<std::string> x, u, w;
   for (int i = 0; i < raw.states; ++i) {
@@ -96,8 +96,8 @@ Kind make_kind() {
   kind.terminals = 0;
   kind.has_current = false;
   kind.controls_others = false;
-  kind.emit = emit;
-  kind.smooth_twin = smooth_twin;
+  kind.emit = emit_system;
+  kind.smooth_twin = twin_of_system;
   return kind;
 }
 

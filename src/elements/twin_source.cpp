@@ -15,10 +15,10 @@ constexpr double edge_scale =
 constexpr double never = 1e12;                // s; ngspice reads 0 as "omitted"
 constexpr std::size_t most_points = 200'000;  // of a waveform written out
 
-using Points = std::vector<model::Pwl::Point>;
+using PwlPoints = std::vector<model::Pwl::Point>;
 
 /// Pieces at rounding level do not count.
-double shortest_piece(const Points& points) {
+double shortest_piece(const PwlPoints& points) {
   constexpr double rounding = 1e-12;
   const double least = rounding * std::max(std::abs(points.front().time), std::abs(points.back().time));
   double shortest = infinite;
@@ -27,16 +27,16 @@ double shortest_piece(const Points& points) {
   return std::isinf(shortest) ? 1.0 : shortest;
 }
 
-std::string points_text(const Points& points) {
+std::string points_text(const PwlPoints& points) {
   std::string text = "PWL(";
   for (std::size_t k = 0; k < points.size(); ++k) text += fmt::format("{}{} {}", k == 0 ? "" : " ", points[k].time, points[k].value);
   return text + ")";
 }
 
 /// Jumps become ramps of length `edge`; several at one instant become one.
-Points ramped(const Points& points, double edge) {
+PwlPoints ramped(const PwlPoints& points, double edge) {
   const double same_instant = edge_scale * edge;
-  Points result;
+  PwlPoints result;
   for (const model::Pwl::Point& point : points) {
     if (result.size() > 1 && result.back().time >= point.time && result.back().time == result[result.size() - 2].time + edge) {
       result.back().value = point.value;
@@ -49,7 +49,7 @@ Points ramped(const Points& points, double edge) {
   return result;
 }
 
-double value_at(const Points& points, double time) {
+double value_at(const PwlPoints& points, double time) {
   for (std::size_t k = 1; k < points.size(); ++k) {
     if (points[k].time < time || points[k].time == points[k - 1].time) continue;
     const double part = (time - points[k - 1].time) / (points[k].time - points[k - 1].time);
@@ -59,11 +59,11 @@ double value_at(const Points& points, double time) {
 }
 
 /// The repetitions up to `stop` one after the other. Empty where they are too many.
-Points written_out(const model::Pwl& pwl, double stop) {
-  Points points = pwl.points;
+PwlPoints written_out(const model::Pwl& pwl, double stop) {
+  PwlPoints points = pwl.points;
   const double length = points.back().time - pwl.repeat_from;
   if (pwl.repeats == 0.0 || length <= 0.0) return points;
-  Points block{{pwl.repeat_from, value_at(points, pwl.repeat_from)}};
+  PwlPoints block{{pwl.repeat_from, value_at(points, pwl.repeat_from)}};
   for (const auto& point : points)
     if (point.time > pwl.repeat_from) block.push_back(point);
   for (double pass = 1.0; pass <= pwl.repeats && points.back().time <= stop; pass += 1.0) {
@@ -96,7 +96,7 @@ class SourceText {
   }
 
   std::string operator()(const model::Pwl& pwl) const {
-    Points points = written_out(pwl, twin_.settings().stop);
+    PwlPoints points = written_out(pwl, twin_.settings().stop);
     if (points.empty()) {
       twin_.refuse(fmt::format("its waveform has more than {} points when written out", most_points));
       return "DC 0";

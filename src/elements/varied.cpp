@@ -7,7 +7,7 @@ namespace pwlsim::elements {
 namespace {
 
 /// Derivatives that cancel to less are zero but for the rounding of the arithmetic that made them.
-constexpr double rounding = 8.0 * std::numeric_limits<double>::epsilon();
+constexpr double derivative_rounding = 8.0 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
@@ -19,7 +19,7 @@ Varied applied(const Varied& x, const Varied& y, double value, double slope_x, d
   bool any = false;
   for (std::size_t k = 0; k < result.gradient.size(); ++k) {
     const double a = x.moved(k) != 0.0 ? slope_x * x.moved(k) : 0.0, b = y.moved(k) != 0.0 ? slope_y * y.moved(k) : 0.0, sum = a + b;
-    if (std::abs(sum) <= rounding * (std::abs(a) + std::abs(b))) continue;
+    if (std::abs(sum) <= derivative_rounding * (std::abs(a) + std::abs(b))) continue;
     result.gradient[k] = sum;
     any = true;
   }

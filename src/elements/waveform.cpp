@@ -127,7 +127,7 @@ Function make_exp(const Values& v, SourceSpan span, Diagnostics& diagnostics) {
   return model::Exp{v.get("V1"), v.get("V2"), v.get("Td1"), v.get("Tau1"), v.get("Td2"), v.get("Tau2")};
 }
 
-constexpr WaveformKind kinds[] = {
+constexpr WaveformKind kind_table[] = {
     {"SIN", "SINE", "SIN(Voff Vamp Freq [Td Theta Phi Ncycles])", sin_parameters, 3, make_sin},
     {"PULSE", "", "PULSE(V1 V2 [Td Tr Tf Ton Tper Ncycles])", pulse_parameters, 2, make_pulse},
     {"EXP", "", "EXP(V1 V2 Td1 Tau1 [Td2 Tau2])", exp_parameters, 4, make_exp},
@@ -135,14 +135,14 @@ constexpr WaveformKind kinds[] = {
 
 }  // namespace
 
-std::span<const WaveformKind> waveform_kinds() { return kinds; }
+std::span<const WaveformKind> waveform_kinds() { return kind_table; }
 
 const WaveformKind* find_waveform(std::string_view name) {
   const auto matches = [&](const WaveformKind& kind) {
     return same_name(kind.name, name) || (!kind.other_name.empty() && same_name(kind.other_name, name));
   };
-  const auto* found = std::find_if(std::begin(kinds), std::end(kinds), matches);
-  return found == std::end(kinds) ? nullptr : found;
+  const auto* found = std::find_if(std::begin(kind_table), std::end(kind_table), matches);
+  return found == std::end(kind_table) ? nullptr : found;
 }
 
 }  // namespace pwlsim::elements

@@ -6,11 +6,12 @@
 
 namespace pwlsim::measure {
 
-using Kind = circuit::MeasuredExpression::Step::Kind;
+using StepKind = circuit::MeasuredExpression::Step::Kind;
 
 ExpressionGradient::ExpressionGradient(const circuit::MeasuredExpression& expression) : steps_(expression.steps) {
   for (const Step& step : steps_)
-    if (step.kind == Kind::signal && std::find(probes_.begin(), probes_.end(), step.index) == probes_.end()) probes_.push_back(step.index);
+    if (step.kind == StepKind::signal && std::find(probes_.begin(), probes_.end(), step.index) == probes_.end())
+      probes_.push_back(step.index);
 }
 
 ExpressionGradient::Node ExpressionGradient::node_of(const Step& step, std::vector<std::size_t>& stack, const std::vector<Node>& nodes,
@@ -22,24 +23,24 @@ ExpressionGradient::Node ExpressionGradient::node_of(const Step& step, std::vect
   };
   const auto operand = [&](std::size_t k) { return nodes[node.operands[k]].value; };
   switch (step.kind) {
-    case Kind::negate:
+    case StepKind::negate:
       take(1);
       node.value = -operand(0);
       node.partials = {-1.0};
       break;
-    case Kind::invert:
+    case StepKind::invert:
       take(1);
       node.value = operand(0) == 0.0 ? 1.0 : 0.0;
       node.partials = {0.0};
       break;
-    case Kind::operation: {
+    case StepKind::operation: {
       take(2);
       node.value = circuit::find_binary(step.operation)(operand(0), operand(1));
       const circuit::Partials p = circuit::operation_partials(step.operation, operand(0), operand(1));
       node.partials = {p.left, p.right};
       break;
     }
-    case Kind::function: {
+    case StepKind::function: {
       take(static_cast<std::size_t>(step.index));
       std::vector<double> arguments;
       for (const std::size_t k : node.operands) arguments.push_back(nodes[k].value);
@@ -48,7 +49,7 @@ ExpressionGradient::Node ExpressionGradient::node_of(const Step& step, std::vect
       circuit::function_partials(*step.function, arguments, node.partials, has_kink);
       break;
     }
-    case Kind::choose:
+    case StepKind::choose:
       take(3);
       node.value = operand(0) != 0.0 ? operand(1) : operand(2);
       node.partials = {0.0, operand(0) != 0.0 ? 1.0 : 0.0, operand(0) != 0.0 ? 0.0 : 1.0};
@@ -71,13 +72,13 @@ GradientValue ExpressionGradient::at(std::span<const double> signals, const std:
   std::vector<std::size_t> stack;
   for (const Step& step : steps_) {
     Node node;
-    if (step.kind == Kind::number)
+    if (step.kind == StepKind::number)
       node.value = step.number;
-    else if (step.kind == Kind::signal)
+    else if (step.kind == StepKind::signal)
       node.value = signals[place(step.index)];
-    else if (step.kind == Kind::result)
+    else if (step.kind == StepKind::result)
       node.value = results[static_cast<std::size_t>(step.index)];
-    else if (step.kind == Kind::time)
+    else if (step.kind == StepKind::time)
       node.value = time;
     else
       node = node_of(step, stack, nodes, gradient.has_kink);
@@ -97,13 +98,13 @@ void ExpressionGradient::spread_weights(std::vector<Node>& nodes, GradientValue&
     const Node& node = nodes[k];
     const Step& step = steps_[k];
     if (node.weight == 0.0) continue;
-    if (step.kind == Kind::signal)
+    if (step.kind == StepKind::signal)
       gradient.signals[place(step.index)] += node.weight;
-    else if (step.kind == Kind::result)
+    else if (step.kind == StepKind::result)
       gradient.results[static_cast<std::size_t>(step.index)] += node.weight;
-    else if (step.kind == Kind::time)
+    else if (step.kind == StepKind::time)
       gradient.time += node.weight;
-    else if (step.kind == Kind::number && !step.gradient.empty()) {
+    else if (step.kind == StepKind::number && !step.gradient.empty()) {
       gradient.numbers.resize(std::max(gradient.numbers.size(), step.gradient.size()));
       for (std::size_t i = 0; i < step.gradient.size(); ++i) gradient.numbers[i] += node.weight * step.gradient[i];
     }

@@ -12,7 +12,7 @@ namespace {
 
 /// ωk·length up to which sixteen points resolve the product of a signal and a sinusoid.
 constexpr double largest_angle = 4.0;
-constexpr double sliver = 1e-14;
+constexpr double share_of_window = 1e-14;
 constexpr double degree = 180.0 / std::numbers::pi;
 /// Of the fundamental: a magnitude that is rounding has no phase, and a fundamental of that size no distortion.
 constexpr double nothing = 1e-13;
@@ -64,7 +64,7 @@ void FourierMeter::take(PieceView& view) {
 /// The window takes what happens at its begin, not at its end.
 void FourierMeter::take_impulse(double time, std::span<const double> values) {
   const double impulse = values[static_cast<std::size_t>(analysis_.signals[signal_].probe)];
-  const double edge = sliver * to_;
+  const double edge = share_of_window * to_;
   if (!failure_.empty() || impulse == 0.0 || time < from_ - edge || time >= to_ - edge) return;
   if (!std::isfinite(impulse)) {
     failure_ = fmt::format("impulses of higher order act at t = {} s", time);
@@ -100,7 +100,7 @@ FourierResult FourierMeter::finish(double reached) const {
   FourierResult result;
   result.column = analysis_.signals[signal_].column;
   result.failure = failure_;
-  if (failure_.empty() && reached < to_ * (1.0 - sliver)) result.failure = fmt::format("the run ended at t = {} s", reached);
+  if (failure_.empty() && reached < to_ * (1.0 - share_of_window)) result.failure = fmt::format("the run ended at t = {} s", reached);
   if (!result.failure.empty()) return result;
   const long double length = static_cast<long double>(periods_) / analysis_.frequency;
   for (std::size_t k = 0; k < sums_.size(); ++k) {

@@ -9,7 +9,7 @@
 
 namespace pwlsim::measure {
 
-using Kind = circuit::Measurement::Kind;
+using MeasurementKind = circuit::Measurement::Kind;
 
 Measuring::Measuring(const circuit::Measurements& measurements, double start, double stop, double end)
     : measurements_(measurements), start_(start), stop_(stop), end_(end), view_(measurements.probe_signals.size()) {
@@ -52,8 +52,8 @@ void Measuring::evaluate_parameters() {
     for (std::size_t k = 0; k < known_.size(); ++k) {
       if (known_[k] != 0 || !is_ready(k)) continue;
       std::string failure = missing(k);
-      const bool is_period = measurements_.list[k].kind == Kind::period;
-      const bool is_parameter = measurements_.list[k].kind == Kind::parameter;
+      const bool is_period = measurements_.list[k].kind == MeasurementKind::period;
+      const bool is_parameter = measurements_.list[k].kind == MeasurementKind::parameter;
       if (failure.empty() && !is_parameter && !is_period) continue;
       double value = is_period ? stop_ - start_ : 0.0;
       if (failure.empty() && is_parameter) value = Program(measurements_.list[k].expression).value(values_);

@@ -11,7 +11,7 @@ namespace pwlsim::measure {
 namespace {
 
 /// Of the run: what is shorter is rounding of an instant.
-constexpr double sliver = 1e-14;
+constexpr double share_of_stop = 1e-14;
 /// A window may reach so much of the run beyond its ends: times that an expression gave are rounded.
 constexpr double overhang = 1e-9;
 /// What is looked at around an instant, of the run: a derivative needs a piece of some length.
@@ -49,7 +49,7 @@ Meter::Meter(const circuit::Measurement& measurement, const std::vector<double>&
     : measurement_(measurement),
       results_(results),
       expression_(measurement.expression),
-      sliver_(sliver * stop),
+      sliver_(share_of_stop * stop),
       lead_(surroundings * stop) {
   if (measurement.when) {
     const circuit::Crossing& crossing = *measurement.when;

@@ -6,17 +6,17 @@
 namespace pwlsim::measure {
 namespace {
 
-using Kind = circuit::MeasuredExpression::Step::Kind;
+using StepKind = circuit::MeasuredExpression::Step::Kind;
 
 bool keeps_polynomials(const circuit::MeasuredExpression::Step& step) {
   switch (step.kind) {
-    case Kind::number:
-    case Kind::signal:
-    case Kind::result:
-    case Kind::time:
-    case Kind::negate:
+    case StepKind::number:
+    case StepKind::signal:
+    case StepKind::result:
+    case StepKind::time:
+    case StepKind::negate:
       return true;
-    case Kind::operation:
+    case StepKind::operation:
       return step.operation == "+" || step.operation == "-" || step.operation == "*";
     default:
       return false;
@@ -30,7 +30,7 @@ bool is_affine(const std::vector<circuit::MeasuredExpression::Step>& steps, cons
   for (const auto& step : steps) {
     const bool right = !reads.empty() && reads.back();
     switch (step.kind) {
-      case Kind::operation: {
+      case StepKind::operation: {
         reads.pop_back();
         const bool left = reads.back();
         const bool is_sum = step.operation == "+" || step.operation == "-";
@@ -39,21 +39,21 @@ bool is_affine(const std::vector<circuit::MeasuredExpression::Step>& steps, cons
         reads.back() = left || right;
         break;
       }
-      case Kind::negate:
+      case StepKind::negate:
         break;
-      case Kind::invert:
+      case StepKind::invert:
         if (right) return false;
         break;
-      case Kind::function:
-      case Kind::choose: {
-        const std::size_t count = step.kind == Kind::choose ? 3 : static_cast<std::size_t>(step.index);
+      case StepKind::function:
+      case StepKind::choose: {
+        const std::size_t count = step.kind == StepKind::choose ? 3 : static_cast<std::size_t>(step.index);
         if (std::find(reads.end() - static_cast<std::ptrdiff_t>(count), reads.end(), true) != reads.end()) return false;
         reads.resize(reads.size() - count);
         reads.push_back(false);
         break;
       }
       default:
-        reads.push_back(step.kind == Kind::signal && counts(static_cast<std::size_t>(step.index)));
+        reads.push_back(step.kind == StepKind::signal && counts(static_cast<std::size_t>(step.index)));
         break;
     }
   }
@@ -64,9 +64,10 @@ bool is_affine(const std::vector<circuit::MeasuredExpression::Step>& steps, cons
 
 Program::Program(const circuit::MeasuredExpression& expression) : steps_(expression.steps) {
   for (const Step& step : steps_) {
-    operators_.push_back(step.kind == Kind::operation ? circuit::find_binary(step.operation) : nullptr);
+    operators_.push_back(step.kind == StepKind::operation ? circuit::find_binary(step.operation) : nullptr);
     polynomial_ = polynomial_ && keeps_polynomials(step);
-    if (step.kind == Kind::signal && std::find(probes_.begin(), probes_.end(), step.index) == probes_.end()) probes_.push_back(step.index);
+    if (step.kind == StepKind::signal && std::find(probes_.begin(), probes_.end(), step.index) == probes_.end())
+      probes_.push_back(step.index);
   }
   linear_ = is_affine(steps_, [](std::size_t) { return true; });
 }
@@ -110,37 +111,37 @@ double Program::at(const Inputs& inputs, std::size_t instant) const {
   for (const Step& step : steps_) {
     const circuit::BinaryOperator operation = *binary++;
     switch (step.kind) {
-      case Kind::number:
+      case StepKind::number:
         stack_.push_back(step.number);
         break;
-      case Kind::signal:
+      case StepKind::signal:
         stack_.push_back(inputs.signals[static_cast<std::size_t>(step.index)][instant]);
         break;
-      case Kind::result:
+      case StepKind::result:
         stack_.push_back((*inputs.results)[static_cast<std::size_t>(step.index)]);
         break;
-      case Kind::time:
+      case StepKind::time:
         stack_.push_back(inputs.times[instant]);
         break;
-      case Kind::negate:
+      case StepKind::negate:
         stack_.back() = -stack_.back();
         break;
-      case Kind::invert:
+      case StepKind::invert:
         stack_.back() = stack_.back() == 0.0 ? 1.0 : 0.0;
         break;
-      case Kind::operation: {
+      case StepKind::operation: {
         const double right = pop();
         stack_.back() = operation(stack_.back(), right);
         break;
       }
-      case Kind::function: {
+      case StepKind::function: {
         const auto count = static_cast<std::size_t>(step.index);
         const double value = step.function->value({stack_.data() + stack_.size() - count, count});
         stack_.resize(stack_.size() - count);
         stack_.push_back(value);
         break;
       }
-      case Kind::choose: {
+      case StepKind::choose: {
         const double otherwise = pop();
         const double chosen = pop();
         stack_.back() = stack_.back() != 0.0 ? chosen : otherwise;

@@ -7,7 +7,7 @@ namespace pwlsim::measure {
 namespace {
 
 using Step = circuit::MeasuredExpression::Step;
-using Kind = circuit::Measurement::Kind;
+using MeasurementKind = circuit::Measurement::Kind;
 
 /// Powers of V, A and s. A plain number fits to everything in a sum.
 struct Unit {
@@ -34,12 +34,14 @@ class Reader {
 
   std::optional<Unit> of(std::size_t index) {
     const circuit::Measurement& m = measurements_.list[index];
-    if (m.kind == Kind::time || m.kind == Kind::period || m.kind == Kind::time_of_minimum || m.kind == Kind::time_of_maximum) return Unit{0, 0, 1};
+    if (m.kind == MeasurementKind::time || m.kind == MeasurementKind::period || m.kind == MeasurementKind::time_of_minimum ||
+        m.kind == MeasurementKind::time_of_maximum)
+      return Unit{0, 0, 1};
     std::optional<Unit> unit = of(m.expression);
     if (!unit) return unit;
-    if (m.kind == Kind::integral) ++unit->seconds;
-    if (m.kind == Kind::derivative) --unit->seconds;
-    if (m.kind == Kind::integral || m.kind == Kind::derivative) unit->is_plain = false;
+    if (m.kind == MeasurementKind::integral) ++unit->seconds;
+    if (m.kind == MeasurementKind::derivative) --unit->seconds;
+    if (m.kind == MeasurementKind::integral || m.kind == MeasurementKind::derivative) unit->is_plain = false;
     return unit;
   }
 

@@ -43,7 +43,7 @@ constexpr int most_iterations = 16;
 constexpr int fewest_iterations =
     3;  ///< of the slow subspace and of the lift, whose slopes follow its values, before a change that does not shrink …
 constexpr Wide least_progress = 0.1L;  ///< … to this (that of the lift: at all) counts as rounding: the gap makes it 10⁻⁴ of the last
-constexpr Wide largest_condition = 1e6L;  ///< of WᵀN
+constexpr Wide largest_basis_condition = 1e6L;  ///< of WᵀN
 constexpr int rounds_of_equilibration = 4;
 
 Cut find_cut_of(const System& system, const Rates& rates, double longest, double ratio) {
@@ -208,7 +208,7 @@ class SlowMotion {
     const WideElimination between(product(of_rows_.transpose(), slow_), 0);
     if (between.rank() < slow_.cols()) return false;
     w_ = between.solve(of_rows_.transpose());
-    return w_.size() == 0 || w_.norm() < largest_condition;
+    return w_.size() == 0 || w_.norm() < largest_basis_condition;
   }
   void find_lift();
   /// One more step of its fixed point, from a solution at another shift.

@@ -9,7 +9,7 @@ namespace pwlsim::model {
 
 namespace {
 
-constexpr double share_of_norm = 0.1;
+constexpr double share_of_state_norm = 0.1;
 /// Of decays: as long as they may hold a guard.
 constexpr double time_constants_unresolved = 4.0;
 
@@ -42,7 +42,7 @@ void Verifier::extend(const Mode& mode, int order) {
 
 /// Rounding of a guard's derivative whose terms sum up to `size` in magnitude.
 double Verifier::rounding(const Mode& mode, int row, int order, double size) const {
-  size += share_of_norm * mode.guard_norm[row] * norm_[static_cast<std::size_t>(order)];
+  size += share_of_state_norm * mode.guard_norm[row] * norm_[static_cast<std::size_t>(order)];
   double bound = std::min(mode.guard_noise[row], std::max(mode.noise, tolerance::most_guard_noise)) * size;
   if (mode.guard_error.size() > 0)
     bound = std::min(bound, guard_rounding(mode, row, &z_[static_cast<std::size_t>(order * ny_)], size, 0.0));
@@ -146,7 +146,7 @@ void Verifier::prepare() {
   const double c_norm = linalg::norm(z_.data(), mode.n1);
   for (int i = 0; i < ny_; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    size_[k] = std::abs(z_[k]) + (i < mode.n1 ? share_of_norm * c_norm : 0.0);
+    size_[k] = std::abs(z_[k]) + (i < mode.n1 ? share_of_state_norm * c_norm : 0.0);
   }
   norm_[0] = linalg::norm(z_.data(), ny_);
   known_ = 1;
@@ -156,7 +156,7 @@ void Verifier::prepare() {
 /// Square of the most that the rounding of a guard's value can be, in units of the guard's norm.
 double Verifier::square_of_most_rounding(const Mode& mode, const double* y) const {
   if (relaxation_ > 1.0) return INFINITY;
-  const double most = mode.guard_noise.maxCoeff() * (1.0 + share_of_norm * (1.0 + mode.n1));
+  const double most = mode.guard_noise.maxCoeff() * (1.0 + share_of_state_norm * (1.0 + mode.n1));
   return most * most * linalg::square(y, mode.ny);
 }
 

@@ -13,8 +13,6 @@ namespace pwlsim::netlist {
 
 namespace {
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
 /// Reads from the front of a text.
 class Front {
  public:

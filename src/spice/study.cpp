@@ -22,7 +22,7 @@ constexpr double share_of_attempt = 0.35;  // of the time that is left to a leve
 constexpr double growth_of_time = 2.5;     // from one level to the next
 constexpr double end_slack = 1e-9;         // of the run's length
 
-double largest(const std::vector<double>& values) {
+double largest_magnitude(const std::vector<double>& values) {
   double result = 0.0;
   for (double value : values) result = std::max(result, std::abs(value));
   return result;
@@ -180,7 +180,7 @@ class Refinement {
       if (!reader.known()) return fmt::format("{} is not in its file{}", signal.name, words);
       std::vector<double>& row = samples.emplace_back();
       for (double time : settings_.sample_times) row.push_back(reader.at(time));
-      if (!std::isfinite(largest(row))) return fmt::format("{} is not finite{}", signal.name, words);
+      if (!std::isfinite(largest_magnitude(row))) return fmt::format("{} is not finite{}", signal.name, words);
     }
     return "";
   }
@@ -188,7 +188,7 @@ class Refinement {
   static double worst_change(const Samples& before, const Samples& after) {
     double worst = 0.0;
     for (std::size_t k = 0; k < after.size(); ++k) {
-      const double scale = largest(after[k]);
+      const double scale = largest_magnitude(after[k]);
       if (scale > 0.0) worst = std::max(worst, largest_difference(before[k], after[k]) / scale);
     }
     return worst;
@@ -205,7 +205,7 @@ class Refinement {
       SignalStudy signal;
       signal.name = study_.finest.signals[k].name;
       signal.values = ladder_.back()[k];
-      signal.scale = largest(signal.values);
+      signal.scale = largest_magnitude(signal.values);
       const Remainder discretisation = remainder_of(steps_, k), smoothing = remainder_of(ladder_, k);
       signal.discretisation = discretisation.size;
       signal.smoothing = smoothing.size;

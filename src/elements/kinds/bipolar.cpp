@@ -5,7 +5,7 @@
 
 /// Ebers and Moll's transport model with its two exponentials replaced by their tangents: the base-emitter and the base-collector diode, and of the
 /// current of each the share alpha that reaches the opposite side. It saturates, amplifies by BF between, and blocks.
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::bipolar {
 namespace {
 
 constexpr Parameter model_parameters[] = {
@@ -199,7 +199,7 @@ constexpr int tied[] = {0, 1, 2};
 
 }  // namespace
 
-Kind bipolar() {
+Kind kind() {
   Kind kind;
   kind.name = "bipolar transistor";
   kind.letter = 'Q';
@@ -217,4 +217,4 @@ Kind bipolar() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::bipolar

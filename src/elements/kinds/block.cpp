@@ -2,7 +2,7 @@
 #include "elements/formula_emission.hpp"
 #include "elements/twin.hpp"
 
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::block {
 namespace {
 
 constexpr const ModelKind* models[] = {&gain_model,     &summer_model,   &limit_model,      &hyst_model,     &pwl_model,       &relay_model,
@@ -37,7 +37,7 @@ void connect(Emission& emission) {
 
 }  // namespace
 
-Kind block() {
+Kind kind() {
   Kind kind;
   kind.name = "block";
   kind.letter = 'A';
@@ -53,4 +53,4 @@ Kind block() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::block

@@ -3,11 +3,12 @@
 #include "elements/twin.hpp"
 #include "elements/two_terminal.hpp"
 
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::capacitor {
 namespace {
 
 constexpr Parameter parameters[] = {
-    {"C", "F", 0.0, Range::any, false, "Capacitance; negative values are allowed if the circuit remains solvable; zero is an open circuit."},
+    {"C", "F", 0.0, Range::any, false,
+     "Capacitance; negative values are allowed if the circuit remains solvable; zero is an open circuit."},
     {"ic", "V", 0.0, Range::any, false, "Voltage at the start; used only with uic."},
     multiplicity,
     series_resistance,
@@ -69,7 +70,7 @@ void smooth_twin(Twin& twin) {
 
 }  // namespace
 
-Kind capacitor() {
+Kind kind() {
   Kind kind;
   kind.name = "capacitor";
   kind.letter = 'C';
@@ -83,4 +84,4 @@ Kind capacitor() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::capacitor

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::coupling {
 namespace {
 
 constexpr Parameter parameters[] = {
@@ -55,7 +55,7 @@ void smooth_twin(Twin& twin) {
 
 }  // namespace
 
-Kind coupling() {
+Kind kind() {
   Kind kind;
   kind.name = "coupling";
   kind.letter = 'K';
@@ -73,4 +73,4 @@ Kind coupling() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::coupling

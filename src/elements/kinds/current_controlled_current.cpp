@@ -1,7 +1,7 @@
 #include "elements/formula_emission.hpp"
 #include "elements/twin.hpp"
 
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::current_controlled_current {
 namespace {
 
 void emit(Emission& emission) {
@@ -20,7 +20,7 @@ void smooth_twin(Twin& twin) { twin_of_controlled(twin, true); }
 
 }  // namespace
 
-Kind current_controlled_current() {
+Kind kind() {
   Kind kind;
   kind.name = "current-controlled current source";
   kind.letter = 'F';
@@ -38,4 +38,4 @@ Kind current_controlled_current() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::current_controlled_current

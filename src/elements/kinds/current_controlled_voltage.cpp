@@ -1,7 +1,7 @@
 #include "elements/formula_emission.hpp"
 #include "elements/twin.hpp"
 
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::current_controlled_voltage {
 namespace {
 
 void emit(Emission& emission) {
@@ -20,7 +20,7 @@ void smooth_twin(Twin& twin) { twin_of_controlled(twin, false); }
 
 }  // namespace
 
-Kind current_controlled_voltage() {
+Kind kind() {
   Kind kind;
   kind.name = "current-controlled voltage source";
   kind.letter = 'H';
@@ -37,4 +37,4 @@ Kind current_controlled_voltage() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::current_controlled_voltage

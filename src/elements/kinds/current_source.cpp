@@ -1,7 +1,7 @@
 #include "elements/emission.hpp"
 #include "elements/twin.hpp"
 
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::current_source {
 namespace {
 
 /// LTspice's load delivers nothing: a diode leads to it, and one across it takes its current while that diode blocks.
@@ -36,7 +36,7 @@ void smooth_twin(Twin& twin) {
 
 }  // namespace
 
-Kind current_source() {
+Kind kind() {
   Kind kind;
   kind.name = "current source";
   kind.letter = 'I';
@@ -49,4 +49,4 @@ Kind current_source() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::current_source

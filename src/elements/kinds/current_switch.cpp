@@ -3,7 +3,7 @@
 #include "elements/switching.hpp"
 #include "elements/twin.hpp"
 
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::current_switch {
 namespace {
 
 constexpr Parameter hysteresis_parameters[] = {
@@ -56,7 +56,7 @@ void smooth_twin(Twin& twin) { twin_of_switch(twin, current_text(twin.meter_of(t
 
 }  // namespace
 
-Kind current_switch() {
+Kind kind() {
   Kind kind;
   kind.name = "current-controlled switch";
   kind.letter = 'W';
@@ -73,4 +73,4 @@ Kind current_switch() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::current_switch

@@ -9,7 +9,7 @@
 #include "elements/twin.hpp"
 #include "elements/two_terminal.hpp"
 
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::diode {
 namespace {
 
 constexpr Parameter ignored(std::string_view name, std::string_view text) { return {name, "", 0.0, Range::any, true, text, Use::ignored}; }
@@ -322,7 +322,7 @@ constexpr int tied[] = {0, 1};
 
 }  // namespace
 
-Kind diode() {
+Kind kind() {
   Kind kind;
   kind.name = "diode";
   kind.letter = 'D';
@@ -340,4 +340,4 @@ Kind diode() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::diode

@@ -1,7 +1,7 @@
 #include "elements/formula_emission.hpp"
 #include "elements/twin.hpp"
 
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::expression_source {
 namespace {
 
 constexpr Parameter parameters[] = {
@@ -22,7 +22,7 @@ void connect(Emission& emission) {
 
 }  // namespace
 
-Kind expression_source() {
+Kind kind() {
   Kind kind;
   kind.name = "source with an expression";
   kind.letter = 'B';
@@ -37,4 +37,4 @@ Kind expression_source() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::expression_source

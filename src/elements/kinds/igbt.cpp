@@ -5,7 +5,7 @@
 #include "elements/transistor.hpp"
 #include "elements/two_terminal.hpp"
 
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::igbt {
 namespace {
 
 constexpr Parameter model_parameters[] = {
@@ -84,7 +84,7 @@ constexpr int tied[] = {0, 2};
 
 }  // namespace
 
-Kind igbt() {
+Kind kind() {
   Kind kind;
   kind.name = "IGBT";
   kind.letter = 'Z';
@@ -101,4 +101,4 @@ Kind igbt() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::igbt

@@ -1,7 +1,7 @@
 #include "elements/twin.hpp"
 #include "elements/two_terminal.hpp"
 
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::inductor {
 namespace {
 
 constexpr Parameter parameters[] = {
@@ -76,7 +76,7 @@ void smooth_twin(Twin& twin) {
 
 }  // namespace
 
-Kind inductor() {
+Kind kind() {
   Kind kind;
   kind.name = "inductor";
   kind.letter = 'L';
@@ -90,4 +90,4 @@ Kind inductor() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::inductor

@@ -3,7 +3,7 @@
 #include "elements/transistor.hpp"
 #include "elements/two_terminal.hpp"
 
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::jfet {
 namespace {
 
 constexpr Parameter model_parameters[] = {
@@ -129,7 +129,7 @@ constexpr int tied[] = {0, 1, 2};
 
 }  // namespace
 
-Kind jfet() {
+Kind kind() {
   Kind kind;
   kind.name = "junction FET";
   kind.letter = 'J';
@@ -147,4 +147,4 @@ Kind jfet() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::jfet

@@ -5,7 +5,7 @@
 #include "elements/transistor.hpp"
 #include "elements/two_terminal.hpp"
 
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::mosfet {
 namespace {
 
 constexpr Parameter threshold{"Vto", "V", 0.0, Range::any, false, "Threshold: closed while v(gate,source) is above; P channel: below."};
@@ -403,7 +403,7 @@ constexpr int tied[] = {0, 2, 3};
 
 }  // namespace
 
-Kind mosfet() {
+Kind kind() {
   Kind kind;
   kind.name = "MOSFET";
   kind.letter = 'M';
@@ -422,4 +422,4 @@ Kind mosfet() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::mosfet

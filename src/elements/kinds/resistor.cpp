@@ -1,7 +1,7 @@
 #include "elements/twin.hpp"
 #include "elements/two_terminal.hpp"
 
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::resistor {
 namespace {
 
 constexpr Parameter parameters[] = {
@@ -52,7 +52,7 @@ void smooth_twin(Twin& twin) {
 
 }  // namespace
 
-Kind resistor() {
+Kind kind() {
   Kind kind;
   kind.name = "resistor";
   kind.letter = 'R';
@@ -65,4 +65,4 @@ Kind resistor() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::resistor

@@ -1,7 +1,7 @@
 #include "elements/formula_emission.hpp"
 #include "elements/twin.hpp"
 
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::voltage_controlled_current {
 namespace {
 
 void emit(Emission& emission) {
@@ -19,7 +19,7 @@ void smooth_twin(Twin& twin) { twin_of_controlled(twin, true); }
 
 }  // namespace
 
-Kind voltage_controlled_current() {
+Kind kind() {
   Kind kind;
   kind.name = "voltage-controlled current source";
   kind.letter = 'G';
@@ -36,4 +36,4 @@ Kind voltage_controlled_current() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::voltage_controlled_current

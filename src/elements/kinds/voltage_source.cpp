@@ -1,7 +1,7 @@
 #include "elements/twin.hpp"
 #include "elements/two_terminal.hpp"
 
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::voltage_source {
 namespace {
 
 constexpr Parameter parameters[] = {
@@ -34,7 +34,7 @@ void smooth_twin(Twin& twin) {
 
 }  // namespace
 
-Kind voltage_source() {
+Kind kind() {
   Kind kind;
   kind.name = "voltage source";
   kind.letter = 'V';
@@ -48,4 +48,4 @@ Kind voltage_source() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::voltage_source

@@ -3,7 +3,7 @@
 #include "elements/switching.hpp"
 #include "elements/twin.hpp"
 
-namespace pwlsim::elements {
+namespace pwlsim::elements::kinds::voltage_switch {
 namespace {
 
 constexpr Parameter hysteresis_parameters[] = {
@@ -67,7 +67,7 @@ void smooth_twin(Twin& twin) {
 
 }  // namespace
 
-Kind voltage_switch() {
+Kind kind() {
   Kind kind;
   kind.name = "voltage-controlled switch";
   kind.letter = 'S';
@@ -85,4 +85,4 @@ Kind voltage_switch() {
   return kind;
 }
 
-}  // namespace pwlsim::elements
+}  // namespace pwlsim::elements::kinds::voltage_switch

@@ -95,7 +95,7 @@ Coefficients derivative(const Coefficients& c) {
 }
 
 enum class Shape { positive, one_root, unclear };
-struct Piece {
+struct SeriesPiece {
   Shape shape = Shape::unclear;
   double low = 0.0, high = 1.0;
 };
@@ -107,7 +107,7 @@ double value_at(const Coefficients& c, double place) {
 }
 
 /// What bounds over the whole interval tell, without subdividing it.
-Piece at_a_glance(const Coefficients& c, double rest, double rest_slope) {
+SeriesPiece at_a_glance(const Coefficients& c, double rest, double rest_slope) {
   if (!(c[0] > rest)) return {};
   const Coefficients slope = derivative(c);
   if (lower_bound(slope) > rest_slope) return {Shape::positive};
@@ -121,7 +121,7 @@ Piece at_a_glance(const Coefficients& c, double rest, double rest_slope) {
 
 /// Walks from left to right; positive everywhere, or the first place where it is not. `rest` bounds the remainder, `rest_slope` its
 /// derivative over the whole unit interval.
-Piece walk(const Coefficients& b, double rest, double rest_slope, double low, double high, int depth) {
+SeriesPiece walk(const Coefficients& b, double rest, double rest_slope, double low, double high, int depth) {
   // Every verdict needs a value above the remainder at the left end, which subdividing does not move.
   if (!(b[0] > rest)) return {Shape::unclear, low, high};
   double least = b[0], steepest = INFINITY, flattest = -INFINITY;
@@ -140,7 +140,7 @@ Piece walk(const Coefficients& b, double rest, double rest_slope, double low, do
   Coefficients left{}, right{};
   split(b, left, right);
   const double middle = 0.5 * (low + high);
-  const Piece first = walk(left, rest, rest_slope, low, middle, depth + 1);
+  const SeriesPiece first = walk(left, rest, rest_slope, low, middle, depth + 1);
   if (first.shape != Shape::positive) return first;
   return walk(right, rest, rest_slope, middle, high, depth + 1);
 }
@@ -249,7 +249,7 @@ Locator::Isolated Locator::isolate_root(const Segment& s, std::size_t i, double 
   const double noise = noise_of(s, s.rows[i]);
   if (start == 0 && std::abs(c[0]) <= noise && lower_bound(c) - rest >= -noise) return {Verdict::excluded, 0.0, 0.0, 0.0};
   rest += noise * (start > 0 ? 0.0 : 0.1);
-  Piece piece = at_a_glance(c, rest, rest_slope);
+  SeriesPiece piece = at_a_glance(c, rest, rest_slope);
   if (piece.shape == Shape::unclear) piece = walk(bernstein(c), rest, rest_slope, 0.0, 1.0, 0);
   if (piece.shape == Shape::positive) return {Verdict::excluded, 0.0, 0.0, 0.0};
   if (piece.shape == Shape::unclear) return {Verdict::undecided, 0.0, 0.0, 0.0};

@@ -19,11 +19,11 @@ constexpr double series_reach = 0.5;    ///< |λ|·τ up to which e₂ is summed
 /// Terms of that sum by the exponent of |λ|·τ, to rounding.
 constexpr std::array<int, 6> series_terms{13, 10, 9, 8, 7, 6};
 constexpr int fewest_terms = 5;
-constexpr int most_depth = 40;  ///< of halving
-constexpr std::uint64_t most_intervals = 1000;
+constexpr int most_search_depth = 40;  ///< of halving
+constexpr std::uint64_t most_searched_intervals = 1000;
 constexpr std::size_t most_guards = 64;
 constexpr double beyond_last_root = 1.25;  ///< where a root is looked for, against where the last one was
-constexpr int most_iterations = 60;
+constexpr int most_polishing_steps = 60;
 
 constexpr std::array<double, 16> reciprocal = [] {
   std::array<double, 16> table{};
@@ -58,7 +58,7 @@ void ModalSearch::evaluate(const model::ModalRate& rate, double tau, Exponents& 
     return;
   }
   // Half its binary exponent: |x| < 2^-(below + 1).
-  const int below = square > 0.0 ? -(std::ilogb(square) + 1) / 2 - 1 : most_depth;
+  const int below = square > 0.0 ? -(std::ilogb(square) + 1) / 2 - 1 : most_search_depth;
   const int terms =
       below < static_cast<int>(series_terms.size()) ? series_terms[static_cast<std::size_t>(std::max(below, 0))] : fewest_terms;
   if (rate.is_real) {
@@ -94,8 +94,8 @@ void ModalSearch::make_room(std::size_t guards) {
   if (z_.size() < rows) {
     for (auto* v : {&z_, &push_, &size_}) v->resize(rows);
   }
-  if (points_.size() < count_ * (most_depth + 3)) {
-    points_.resize(count_ * (most_depth + 3));
+  if (points_.size() < count_ * (most_search_depth + 3)) {
+    points_.resize(count_ * (most_search_depth + 3));
     trial_.resize(count_);
   }
   if (coefficients_.size() < guards * count_) coefficients_.resize(guards * count_);
@@ -263,7 +263,7 @@ double ModalSearch::root(std::size_t g, const Interval& in) {
   double low = in.left, high = in.right;
   const double at_low = value(g, low, in.at_left), at_high = value(g, high, in.at_right);
   double at = low + (high - low) * at_low / (at_low - at_high);
-  for (int i = 0; i < most_iterations; ++i) {
+  for (int i = 0; i < most_polishing_steps; ++i) {
     evaluate(at, trial_.data());
     const double now = value(g, at, trial_.data());
     (now > 0.0 ? low : high) = at;
@@ -310,7 +310,7 @@ ModalSearch::Found ModalSearch::examine(const Interval& in, std::uint64_t open, 
     return {Verdict::positive};
   }
   if (undecided == 0) return first_root(in, falling);
-  if (is_stuck_ || depth == most_depth || intervals_ >= last_interval_) return {Verdict::undecided, 0, positive_until_};
+  if (is_stuck_ || depth == most_search_depth || intervals_ >= last_interval_) return {Verdict::undecided, 0, positive_until_};
   const double middle = 0.5 * (in.left + in.right);
   Exponents* at_middle = &points_[static_cast<std::size_t>(depth + 2) * count_];
   evaluate(middle, at_middle);
@@ -334,7 +334,7 @@ ModalSearch::Found ModalSearch::search(const model::ModalForm& form, std::span<c
   count_ = form.rates.size();
   positive_until_ = 0.0;
   is_stuck_ = false;
-  last_interval_ = intervals_ + most_intervals;
+  last_interval_ = intervals_ + most_searched_intervals;
   begin(guards, y);
   Exponents *at_left = points_.data(), *at_right = at_left + count_;
   std::fill_n(at_left, count_, Exponents{1.0, 0.0, 0.0, 1.0});
@@ -343,7 +343,7 @@ ModalSearch::Found ModalSearch::search(const model::ModalForm& form, std::span<c
   double length = form.last_root > 0.0 ? beyond_last_root * form.last_root : h;
   if (const double short_one = turn(); form.last_root == 0.0 && short_one < h) {
     evaluate(h, at_right);
-    const Found whole = examine({0.0, h, at_left, at_right}, all, most_depth);
+    const Found whole = examine({0.0, h, at_left, at_right}, all, most_search_depth);
     if (whole.verdict != Verdict::undecided || is_stuck_) return whole;
     length = short_one;
   }

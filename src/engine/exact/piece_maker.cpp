@@ -16,7 +16,7 @@ constexpr std::uint64_t most_doublings = 10;
 constexpr double derivative_slack = 32.0;
 /// rate·2^p below which sixteen points resolve any motion.
 constexpr double easy = 0.5;
-constexpr std::size_t most_intervals = 512;  ///< kept for one mode
+constexpr std::size_t most_kept_intervals = 512;  ///< kept for one mode
 
 /// P_k^{(m)}(1) = (k + m)!/(2^m m! (k − m)!), k = 0 … 16.
 using EndDerivatives = std::array<std::array<double, points + 1>, 4>;
@@ -129,7 +129,7 @@ std::unique_ptr<PieceMaker::ModeRows> PieceMaker::rows_of(const Track& track, co
 const PieceMaker::Interval& PieceMaker::interval_of(Track& track, int level) {
   auto& intervals = track.rows->intervals;
   if (const auto known = intervals.find(level); known != intervals.end()) return known->second;
-  if (intervals.size() >= most_intervals) intervals.clear();
+  if (intervals.size() >= most_kept_intervals) intervals.clear();
   const double length = std::ldexp(1.0, level);
   const model::Mode& mode = *track.mode;
   Interval interval;

@@ -15,12 +15,12 @@ namespace {
 using linalg::Matrix;
 using linalg::Vector;
 
-constexpr std::size_t most_samples = 16;
+constexpr std::size_t most_checked_points = 16;
 constexpr std::size_t most_first_visits = 32;
 constexpr int most_panels = 4;      ///< of the energy quadrature; a longer stiff stretch is cut to its beginning
 constexpr double panel_rate = 0.5;  ///< rate·panel: eight Gauss points are exact to rounding there
 
-constexpr int series_terms = 18;                  ///< of a panel: panel_rate¹⁸/18! is 10⁻²¹
+constexpr int panel_terms = 18;                   ///< of a panel: panel_rate¹⁸/18! is 10⁻²¹
 constexpr double checked_at[] = {0.0, 0.5, 1.0};  ///< of a segment
 
 /// Gauss–Legendre, 8 points on [−1, 1] (Abramowitz & Stegun, table 25.4).
@@ -168,8 +168,8 @@ Matrix series_at_points() {
     points[static_cast<Eigen::Index>(2 * g + 1)] = 0.5 * (1.0 + gauss_point[g]);
   }
   points[points.size() - 1] = 1.0;
-  Matrix series = Matrix::Ones(series_terms, points.size());
-  for (int k = 1; k < series_terms; ++k) series.row(k) = series.row(k - 1).cwiseProduct(points.transpose()) / k;
+  Matrix series = Matrix::Ones(panel_terms, points.size());
+  for (int k = 1; k < panel_terms; ++k) series.row(k) = series.row(k - 1).cwiseProduct(points.transpose()) / k;
   return series;
 }
 
@@ -185,12 +185,12 @@ EnergyBalance energy_balance(const IslandModel& island, const Rows& rows, const 
   const double panel = std::min(length / panels, panel_rate / rate);
   const auto ny = static_cast<Eigen::Index>(y0.size());
   const Matrix step = panel * mode.flow.a();
-  Matrix derivatives(ny, series_terms);  // times panel^k
+  Matrix derivatives(ny, panel_terms);  // times panel^k
   derivatives.col(0) = Eigen::Map<const Vector>(y0.data(), ny);
   double integral = 0.0;
   double throughput = 0.0;
   for (int i = 0; i < panels; ++i) {
-    linalg::multiply_repeatedly(step, series_terms - 1, derivatives.data());
+    linalg::multiply_repeatedly(step, panel_terms - 1, derivatives.data());
     const Matrix states = derivatives * series;
     const Points p = locate_points(s, mode, states.leftCols(series.cols() - 1));
     const Matrix voltage = rows.voltage_of_x * p.x + rows.voltage_of_u * p.u, current = rows.current_of_x * p.x + rows.current_of_u * p.u;
@@ -225,9 +225,9 @@ void SegmentCertifier::add(const IslandModel& island, const Segment& segment, do
   if (segment.mode->visits == 1 && first_visits_.size() < most_first_visits) return keep(first_visits_);
   if ((seen_++ & (stride_ - 1)) != 0) return;
   keep(samples_);
-  if (samples_.size() < most_samples) return;
+  if (samples_.size() < most_checked_points) return;
   for (std::size_t i = 1; 2 * i < samples_.size(); ++i) samples_[i] = std::move(samples_[2 * i]);
-  samples_.resize(most_samples / 2);
+  samples_.resize(most_checked_points / 2);
   stride_ *= 2;
 }
 

@@ -19,7 +19,7 @@ using linalg::WideVector;
 
 constexpr double first_epsilon = 1e-3, last_epsilon = 1e-17, epsilon_step = 1e-3;  ///< in units of `rate`
 constexpr double input_share = 1e-8;                                               ///< δ/ε
-constexpr int most_iterations = 20, most_rounds = 8;
+constexpr int most_corrections = 20, most_static_rounds = 8;
 constexpr Wide rounding = linalg::wide_clean_tolerance;  ///< of an entry of A, B, C: of the largest of what it is a sum of
 constexpr Wide stagnation = 0.5L;                        ///< of two steps, one behind the other
 
@@ -112,7 +112,7 @@ class ModeEquations {
 bool converges(const ModeEquations& equations, const WideElimination& held, WideVector& v) {
   if (v.size() == 0) return true;
   Wide xi_before = 0, u_before = 0;
-  for (int i = 0; i < most_iterations; ++i) {
+  for (int i = 0; i < most_corrections; ++i) {
     const WideVector step = held.solve(equations.residual(v));
     if (!step.allFinite()) return false;
     v += step;
@@ -137,7 +137,7 @@ bool settles(const ModeEquations& equations, const WideElimination& held, const 
   WideVector xi = x0;
   WideVector u = equations.least_inputs(x0);
   bool rests = false;
-  for (int round = 0; round < most_rounds && !rests; ++round) {
+  for (int round = 0; round < most_static_rounds && !rests; ++round) {
     v << x0, u;
     if (!converges(equations, held, v)) return false;
     rests = round > 1 && (v.head(xi.size()) - xi).norm() <= tolerance::same_value * xi.norm();
@@ -154,7 +154,7 @@ bool leaves_states_open(const ModeEquations& equations, const WideElimination& h
   WideVector v(equations.size());
   for (Eigen::Index i = 0; i < v.size(); ++i) v[i] = std::sin(Wide{1} + Wide{37} * static_cast<Wide>(i * i + 1));
   const Wide before = equations.largest_state(v);
-  for (int i = 0; i < most_iterations; ++i) v += held.solve(equations.homogeneous_residual(v));
+  for (int i = 0; i < most_corrections; ++i) v += held.solve(equations.homogeneous_residual(v));
   return equations.largest_state(v) > tolerance::dc_free_share * before;
 }
 

@@ -17,7 +17,7 @@ namespace {
 /// What ε alone holds does not go away when it is taken out: after these corrections it is still this part of what it was.
 constexpr int most_corrections = 3;
 constexpr double far_away = 1e3;
-constexpr int most_iterations = 8;
+constexpr int most_settling_steps = 8;
 constexpr int most_decisions = 32;
 constexpr std::size_t few_disputed = 12;  ///< decided by a dense matrix of their own
 
@@ -310,7 +310,7 @@ Solved PortSolver::iterate(const Stage& stage, double tolerance, Position& on, s
   std::unordered_set<std::size_t> visited;
   repeated_ = false;
   std::size_t fewest = on.size() + 1;
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+  for (int iteration = 0; iteration < most_settling_steps; ++iteration) {
     repeated_ = !visited.insert(hash_of(on)).second;
     if (repeated_) break;
     if (const Solved solved = solve_at(stage, on, step, z); solved != Solved::yes) return solved;

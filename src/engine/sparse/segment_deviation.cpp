@@ -13,13 +13,13 @@ namespace pwlsim::engine::sparse {
 namespace {
 
 /// Vectors at which the error is looked at.
-constexpr std::array<int, 13> dimensions{2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 28, 35, 45};
+constexpr std::array<int, 13> deviation_dimensions{2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 28, 35, 45};
 constexpr double deviation_tolerance = 1e-12;  ///< of the largest deviation so far
 constexpr double most_error = 1e-8;            ///< the same: where vectors are nothing but rounding
 constexpr int smoothing_steps = 6;
-constexpr double gone = 1e-20;               ///< the same: it has decayed
-constexpr double least_share = 1e-4;         ///< of a segment: a shorter part is none
-constexpr double same_shift_of_time = 1e-6;  ///< of the largest: guards that fall to zero together in nearby runs, too
+constexpr double gone = 1e-20;                  ///< the same: it has decayed
+constexpr double least_deviation_share = 1e-4;  ///< of a segment: a shorter part is none
+constexpr double same_shift_of_time = 1e-6;     ///< of the largest: guards that fall to zero together in nearby runs, too
 
 }  // namespace
 
@@ -86,14 +86,14 @@ bool SegmentDeviation::resolve(double length, double& reached) {
   reached = length;
   if (is_gone()) return true;
   double error = INFINITY;
-  for (const int m : dimensions) {
+  for (const int m : deviation_dimensions) {
     space_.grow(m);
     if (!space_.is_sound()) break;
     const auto& points = space_.estimate(length);
     error = 0.0;
     for (const auto& point : points) error = std::max(error, point.error);
     if (error <= deviation_tolerance * scale_) break;
-    if (!space_.is_full() && m < dimensions.back()) continue;
+    if (!space_.is_full() && m < deviation_dimensions.back()) continue;
     reached = 0.0;
     double part = 0.0;
     for (const auto& point : points) {
@@ -101,12 +101,12 @@ bool SegmentDeviation::resolve(double length, double& reached) {
       reached = point.tau;
       part = std::max(part, point.error);
     }
-    if (reached < least_share * length && error <= most_error * scale_) reached = length;
+    if (reached < least_deviation_share * length && error <= most_error * scale_) reached = length;
     if (reached < length) error = part;
     break;
   }
   worst_ = std::max(worst_, error / scale_);
-  return space_.is_sound() && error <= most_error * scale_ && reached >= least_share * length;
+  return space_.is_sound() && error <= most_error * scale_ && reached >= least_deviation_share * length;
 }
 
 bool SegmentDeviation::propagate(const SegmentRecord& record) {
