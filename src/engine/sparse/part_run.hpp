@@ -204,6 +204,7 @@ class PartRun {
   [[nodiscard]] ExactSegment::Opened open_segment(const Position& on);
   [[nodiscard]] Sought seek_by_steps(const Beginning& beginning, Instant& instant, double h);
   [[nodiscard]] bool share_freely();
+  [[nodiscard]] bool correct_rows();
   [[nodiscard]] bool settle_ties(const std::vector<double>& z, const Position& on, int passing, double h);
   [[nodiscard]] bool follows_by_ties(const Beginning& beginning, const Position& candidate);
   [[nodiscard]] double euler_length(const Beginning& beginning) const;
@@ -261,6 +262,7 @@ class PartRun {
   bool stops_before_end_ = false;
   std::vector<Position> refused_jumps_;  ///< of steps of several lengths: positions whose jump asks for impulses backwards
   bool trusts_jumps_ = false;
+  bool may_jump_ = true;               ///< where a position is sought
   Attempts rejecting_early_;           ///< of openings
   Position position_ahead_;            ///< where the passage at hand leads
   double segment_tau_ = 0.0;           ///< so far

@@ -273,6 +273,9 @@ inline constexpr double largest_condition = 1e12;
 /// Of: the largest term of a part, for a row whose terms never exceed it.
 /// Why: the terms of such a row may be rounding errors of the largest term.
 inline constexpr double idle_row = 1e-3;
+/// Of: one, as the residual of a segment's rows where it begins.
+/// Why: with two digits less a run is doubtful: its solutions are then corrected.
+inline constexpr double doubtful_rows = 1e-9;
 /// Of: one, as the certificate's worst residual of a run of segments.
 /// Why: a segment's tolerance is next to rounding: three digits more are lost somewhere.
 inline constexpr double doubtful_segments = 1e-7;
