@@ -57,8 +57,10 @@ class PartRun {
   PartRun(const Part& part, const Request& request, double reltol, Method method);
 
   [[nodiscard]] const Descriptor& descriptor() const { return descriptor_; }
-  /// Of a lap: each segment goes there, and the run stops before what happens at its end. Null: neither.
-  void begin_lap(std::vector<SegmentRecord>* records, bool stops_before_end) {
+  /// Of a lap: each segment goes there, and the run stops before what happens at its end. Null: neither. It fails where it tries more than `most_openings` positions; 0: any
+  /// number.
+  void begin_lap(std::vector<SegmentRecord>* records, bool stops_before_end, std::uint64_t most_openings) {
+    most_openings_ = most_openings;
     records_ = records;
     if (segment_) segment_->keep_tolerance();
     stops_before_end_ = stops_before_end;
@@ -68,6 +70,8 @@ class PartRun {
   /// Rows before this time are available.
   [[nodiscard]] double time() const { return point_.time; }
   [[nodiscard]] bool finished() const { return finished_; }
+  /// Positions tried so far.
+  [[nodiscard]] std::uint64_t openings() const { return openings_; }
   /// One accepted step, or the next event. False: failed.
   bool advance();
   /// The saved signals at a time in the last step.
@@ -290,7 +294,7 @@ class PartRun {
   Crowd crowd_;
   Attempts absorbing_;
   int standing_ = 0, standing_limit_ = 32;  ///< steps accepted in a row without a longer one, and how many are enough to try
-  std::uint64_t steps_ = 0, events_ = 0, jumps_ = 0;
+  std::uint64_t steps_ = 0, events_ = 0, jumps_ = 0, openings_ = 0, most_openings_ = 0;
   std::unordered_set<std::size_t> positions_;
 };
 

@@ -53,6 +53,10 @@ constexpr std::array<double, 3> inner_points{0.066987298107780677, 0.5, 0.933012
 double PartRun::room() const { return (next_break() < request_.stop ? next_break() : request_.stop) - point_.time; }
 
 ExactSegment::Opened PartRun::open_segment(const Position& on) {
+  if (++openings_ > most_openings_ && most_openings_ > 0) {
+    if (failure_.id.empty()) fail(Outcome::no_solution, "E-no-solution", "the search for a position takes too long", {});
+    return ExactSegment::Opened::unresolved;
+  }
   const double longest = std::max(room(), break_tolerance_);
   return segment_->open(factors_, {point_.time, on, point_.z, start_memory_, longest});
 }
@@ -374,6 +378,7 @@ void PartRun::record_begin(const Point& first) {
   record.jumps = jumps_taken_;
   record.on = point_.on;
   record.shift = 1.0 / segment_->step_length();
+  record.refines = segment_->is_refined();
   record.begin = segment_->start();
   record.rates_at_begin = first.k;
   record.size = segment_->size();

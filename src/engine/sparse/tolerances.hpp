@@ -240,6 +240,12 @@ inline constexpr double lengthened_rounding = 1e-11;
 /// Of: the largest √energy.
 /// Why: five units of rounding: what a solution leaves of the rest in a store that has nothing to do with it.
 inline constexpr double at_rest = 1e-15;
+/// Of: the largest voltage.
+/// Why: 450 units of rounding: a store with less is empty.
+inline constexpr double empty_store = 1e-13;
+/// Of: the largest voltage.
+/// Why: what sums of some hundred vectors leave in such a store.
+inline constexpr double moved_store = 1e-11;
 /// Of: the largest √energy.
 /// Why: beyond it the states that a segment begins with are not those that were given.
 inline constexpr double start_rounding = 1e-8;
