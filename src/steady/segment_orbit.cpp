@@ -36,7 +36,10 @@ constexpr double damping = 0.25, least_damping = 1.0 / 64.0;  ///< of those that
 constexpr double at_one = 1e-9;                               ///< of an eigenvalue: it is 1
 constexpr double outside = 1e-9;                              ///< of the largest state: a residual that no step takes away
 constexpr double exact_orbit = 1e-12;                         ///< of the largest state: a smaller residual leaves nothing to look at
+/// Of the residual of the best state: where one after the other of many stages begins to conduct, the residual rises and falls on the way to the orbit.
+constexpr double far_worse = 8.0;
 constexpr int drifts_followed = 5;
+constexpr int most_returns = 8;            ///< to the best state, from runs that fail
 constexpr int leading = 6;                 ///< multipliers sought
 constexpr double known_multiplier = 1e-9;  ///< its residual
 constexpr int looks_apart = 10;            ///< vectors between two looks at eigenvalues
@@ -111,7 +114,7 @@ class SegmentSearch {
 
   /// The period from state_ on. False: failed.
   bool lap() {
-    engine::Answer answer = run_from(state_, end_);
+    engine::Answer answer = run_from(state_, end_, false);
     if (answer.outcome != engine::Outcome::completed) return fail(std::move(answer));
     orbit_.answer = std::move(answer);
     map_.keep();
@@ -119,10 +122,10 @@ class SegmentSearch {
     return true;
   }
 
-  engine::Answer run_from(const State& state, State& end) {
+  engine::Answer run_from(const State& state, State& end, bool is_trial) {
     end = state;
     orbit_.periods_simulated += task_.multiple;
-    return map_.advance(end, task_.period, true);
+    return map_.advance(end, task_.period, true, is_trial);
   }
 
   void take_residual() {
@@ -133,7 +136,14 @@ class SegmentSearch {
 
   bool go_on(int periods) {
     state_ = end_;
-    return (periods <= 1 || simulate((periods - 1) * task_.multiple)) && lap();
+    return ((periods <= 1 || simulate((periods - 1) * task_.multiple)) && lap()) || go_back();
+  }
+
+  /// A run that fails on the way, from a state that no motion leads to: the search goes on from the best one so far. False: failed.
+  bool go_back() {
+    if (orbit_.verdict == Verdict::interrupted || best_norm_ < 0.0 || ++returns_ > most_returns) return false;
+    state_ = best_state_;
+    return lap();
   }
 
   [[nodiscard]] bool is_small() const {
@@ -168,9 +178,9 @@ class SegmentSearch {
   Trial try_step(const Vector& by) {
     Trial trial;
     trial.state = end_;
-    map_.move_to(trial.state, map_.unknowns(end_) + by);
+    map_.step_to(trial.state, map_.unknowns(end_) + by);
     ++orbit_.iterations;
-    trial.answer = run_from(trial.state, trial.end);
+    trial.answer = run_from(trial.state, trial.end, true);
     if (!trial.is_complete()) return trial;
     trial.residual = map_.unknowns(trial.end) - map_.unknowns(trial.state);
     trial.norm = map_.energies(trial.residual).norm();
@@ -282,7 +292,7 @@ class SegmentSearch {
   }
 
   bool begin_to_follow() {
-    if (norm_ > best_norm_) {
+    if (norm_ > far_worse * best_norm_) {
       state_ = best_state_;
       if (!lap()) return false;
     }
@@ -441,7 +451,7 @@ class SegmentSearch {
   State end_, best_state_;
   Vector residual_, anchor_;  ///< the point from which an implicit step is taken
   double norm_ = 0.0, anchor_norm_ = 0.0, best_norm_ = -1.0, last_norm_ = -1.0, pace_ = 0.0;
-  int bold_ = 0, follows_ = 0, inner_ = 0, phases_ = 0, patience_ = 1, drifts_ = 0;
+  int bold_ = 0, follows_ = 0, inner_ = 0, phases_ = 0, patience_ = 1, drifts_ = 0, returns_ = 0;
 };
 
 }  // namespace

@@ -91,17 +91,28 @@ TEST_CASE("random networks by Krylov segments agree with the exact engine, or en
 
 // Wrong by up to 6e-5 without an error, before the sign of a jump's impulses was looked at: a capacitor that a current discharges within nanoseconds does not jump, and
 // a diode must not conduct backwards to make it. 23124: a floating part whose impulse of voltage, in a capacitor across it, left the current of an inductor 3 digits.
-// 42963: rounding of 2e-11 in one vector, over 1,600 steps of the resolvent.
+// 42963: rounding of 2e-11 in one vector, over 1,600 steps of the resolvent. 20656: solutions T z whose rows of a capacitor of 50 µF left those
+// of one of 7 nF eight digits.
 TEST_CASE("networks that were wrong by Krylov segments agree", "[property]") {
   const auto [seed, name] = GENERATE(table<std::uint64_t, std::string>({{2576, "all parts"},
                                                                         {3363, "all parts"},
                                                                         {12367, "no sources"},
                                                                         {20380, "little resistance"},
+                                                                        {20656, "little resistance"},
                                                                         {24360, "little resistance"},
                                                                         {42721, "floating"},
                                                                         {74080, "up to twelve ports"},
                                                                         {23124, "little resistance"},
                                                                         {42963, "floating"}}));
+  const Outcome outcome = run_both(make_random_network(seed, family(name).recipe));
+  INFO(seed << ": " << outcome.what);
+  CHECK(outcome.kind == Kind::agrees);
+}
+
+// What solutions lose where rows of far larger terms take part in the elimination is in their residual, and they are corrected by it.
+TEST_CASE("networks whose solutions by Krylov segments lose digits are corrected", "[property]") {
+  const auto [seed, name] =
+      GENERATE(table<std::uint64_t, std::string>({{21785, "little resistance"}, {41045, "floating"}, {41568, "floating"}}));
   const Outcome outcome = run_both(make_random_network(seed, family(name).recipe));
   INFO(seed << ": " << outcome.what);
   CHECK(outcome.kind == Kind::agrees);
@@ -115,8 +126,8 @@ TEST_CASE("a network without a position by Krylov segments ends in an error", "[
 }
 
 TEST_CASE("1,000 other networks of each family by Krylov segments", "[property][long]") {
-  static const std::map<std::string, int> most_named{{"all parts", 4},   {"no sources", 5}, {"little resistance", 6},
-                                                     {"many diodes", 4}, {"floating", 9},   {"up to twelve ports", 10}};
+  static const std::map<std::string, int> most_named{{"all parts", 4},   {"no sources", 5}, {"little resistance", 5},
+                                                     {"many diodes", 4}, {"floating", 6},   {"up to twelve ports", 10}};
   const auto [name, allowed] = GENERATE(from_range(most_named));
   check_networks(name, others, others, allowed);
 }

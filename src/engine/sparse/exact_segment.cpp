@@ -263,6 +263,7 @@ bool ExactSegment::is_wrong_by_signs(Factors& factors, double shift, const Origi
 ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start) {
   double length = std::max(usual_length(start.on, start.longest), least_share * usual_length(start.on, stop_));
   expected_ = std::min(length, start.longest);
+  space_.refine_all(refines_ || habits_[key_].refines);
   for (int cut = 0; cut < most_cuts && length > tolerance::shortest_segment * stop_; ++cut) {
     const double shift = shift_for(length);
     bool is_begun = false;

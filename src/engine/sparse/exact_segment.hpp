@@ -29,6 +29,10 @@ class ExactSegment {
   /// Segments are first made for that share of their usual length: what decays within them is then followed.
   void shorten(double share) { share_ = share; }
   [[nodiscard]] double share() const { return share_; }
+  /// Solutions are corrected by their residuals, in all segments, or from now on in the position of the one that is open.
+  void refine(bool does) { refines_ = does; }
+  void refine_position() { habits_[key_].refines = true; }
+  [[nodiscard]] bool is_refined() const { return refines_ || habits_.at(key_).refines; }
   /// The port whose guard has just passed zero, on its other side; −1: none.
   void note_passing(int port) { passing_ = port; }
 
@@ -139,6 +143,7 @@ class ExactSegment {
     double length = 0.0, turning = 0.0;  ///< s, and radians per s
     int vectors = 0;                     ///< that its next segment is expected to need
     std::vector<double> shifts;
+    bool refines = false;  ///< solutions are corrected by their residuals
   };
   [[nodiscard]] static std::string key(const Position& on) { return {on.begin(), on.end()}; }
   [[nodiscard]] double shift_for(double length);
@@ -174,7 +179,7 @@ class ExactSegment {
   double start_ = 0.0, length_ = 0.0, peak_ = 0.0, worst_ = 0.0, estimate_ = 0.0, expected_ = 0.0, size_ = 0.0;
   double voltage_ = 0.0, current_ = 0.0;  ///< largest voltage, and other unknown, of the point it starts from, volts
   Position on_;
-  bool takes_positive_ = false;
+  bool takes_positive_ = false, refines_ = false;
   bool has_all_decays_ = false;  ///< of all rates: all vectors there are do not resolve them at the usual γ
   int passing_ = -1;
   bool rejects_early_ = false, is_rejected_ = false, keeps_tolerance_ = false;

@@ -46,6 +46,11 @@ void KrylovSpace::solve(std::vector<double>& r, const Vector& zeta) {
   close(zeta, r);
   given_ = r;
   factor_->solve(r);
+  if (refines_ && !factor_->closing() && factor_->ties().empty()) {
+    find_residual(r);
+    factor_->solve(product_);
+    for (std::size_t i = 0; i < r.size(); ++i) r[i] += product_[i];
+  }
   settle(r, zeta);
   resting_.hold(r);
 }

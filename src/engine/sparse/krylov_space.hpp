@@ -43,6 +43,8 @@ class KrylovSpace {
   [[nodiscard]] Begun begin(const Factor& factor, double shift, const Position& on, const Origin& start, double size);
   /// From now on solutions that begin a space stay as they are, where they are for signs only.
   void begin_roughly(bool does) { begins_roughly_ = does; }
+  /// From now on each solution T z is corrected by its residual: where rows of one of far larger terms took part in the elimination of others, these have lost digits.
+  void refine_all(bool does) { refines_ = does; }
   /// Whether the last one has all its digits.
   [[nodiscard]] bool is_refined() const { return is_refined_; }
   /// Takes the space to m vectors, or to where it is full.
@@ -156,7 +158,7 @@ class KrylovSpace {
   double least_ = 0.0, shift_ = 0.0, zeta_weight_ = 1.0, norm_ = 0.0, size_ = 0.0, h_ = 0.0, rounding_ = 0.0;
   Position on_;
   int dimension_ = 0;
-  bool full_ = false, sound_ = true, begins_roughly_ = false, is_refined_ = true;
+  bool full_ = false, sound_ = true, begins_roughly_ = false, is_refined_ = true, refines_ = false;
   linalg::Matrix vectors_, changes_;     ///< Z and T Z (unknowns × columns)
   linalg::Matrix zetas_, zeta_changes_;  ///< the same of ζ
   linalg::Matrix largest_;               ///< the largest voltage and the largest other unknown of each column of Z, and of T Z

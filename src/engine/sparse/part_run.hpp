@@ -57,8 +57,10 @@ class PartRun {
   PartRun(const Part& part, const Request& request, double reltol, Method method);
 
   [[nodiscard]] const Descriptor& descriptor() const { return descriptor_; }
-  /// Of a lap: each segment goes there, and the run stops before what happens at its end. Null: neither.
-  void begin_lap(std::vector<SegmentRecord>* records, bool stops_before_end) {
+  /// Of a lap: each segment goes there, and the run stops before what happens at its end. Null: neither. It fails where it tries more than `most_openings` positions; 0: any
+  /// number.
+  void begin_lap(std::vector<SegmentRecord>* records, bool stops_before_end, std::uint64_t most_openings) {
+    most_openings_ = most_openings;
     records_ = records;
     if (segment_) segment_->keep_tolerance();
     stops_before_end_ = stops_before_end;
@@ -68,6 +70,8 @@ class PartRun {
   /// Rows before this time are available.
   [[nodiscard]] double time() const { return point_.time; }
   [[nodiscard]] bool finished() const { return finished_; }
+  /// Positions tried so far.
+  [[nodiscard]] std::uint64_t openings() const { return openings_; }
   /// One accepted step, or the next event. False: failed.
   bool advance();
   /// The saved signals at a time in the last step.
@@ -204,6 +208,7 @@ class PartRun {
   [[nodiscard]] ExactSegment::Opened open_segment(const Position& on);
   [[nodiscard]] Sought seek_by_steps(const Beginning& beginning, Instant& instant, double h);
   [[nodiscard]] bool share_freely();
+  [[nodiscard]] bool correct_rows();
   [[nodiscard]] bool settle_ties(const std::vector<double>& z, const Position& on, int passing, double h);
   [[nodiscard]] bool follows_by_ties(const Beginning& beginning, const Position& candidate);
   [[nodiscard]] double euler_length(const Beginning& beginning) const;
@@ -261,6 +266,7 @@ class PartRun {
   bool stops_before_end_ = false;
   std::vector<Position> refused_jumps_;  ///< of steps of several lengths: positions whose jump asks for impulses backwards
   bool trusts_jumps_ = false;
+  bool may_jump_ = true;               ///< where a position is sought
   Attempts rejecting_early_;           ///< of openings
   Position position_ahead_;            ///< where the passage at hand leads
   double segment_tau_ = 0.0;           ///< so far
@@ -288,7 +294,7 @@ class PartRun {
   Crowd crowd_;
   Attempts absorbing_;
   int standing_ = 0, standing_limit_ = 32;  ///< steps accepted in a row without a longer one, and how many are enough to try
-  std::uint64_t steps_ = 0, events_ = 0, jumps_ = 0;
+  std::uint64_t steps_ = 0, events_ = 0, jumps_ = 0, openings_ = 0, most_openings_ = 0;
   std::unordered_set<std::size_t> positions_;
 };
 

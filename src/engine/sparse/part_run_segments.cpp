@@ -24,14 +24,24 @@ constexpr std::array<double, 5> euler_scales{1.0, 1.0 / 64.0, 16.0, 0x1p-12, 0x1
 constexpr double shared_jump = 0.5;           ///< of a jump: how far beside it a step that takes it may end
 constexpr int most_jumps = 8;                 ///< one after the other at an instant
 constexpr int most_flips = 8, few_flips = 2;  ///< rounds
-/// Of signs, where they agree in no position; before that a closer look at what is fast.
+/// Of signs, where they agree in no position; before that solutions with all their digits, where no state jumps, and a closer look at what is fast.
 struct Relaxation {
   double factor;
   bool takes_positive;
   double length = 1.0;
+  bool refines = false;
+  bool jumps = true;
 };
-constexpr std::array<Relaxation, 7> relaxations{
-    {{1.0, false}, {1.0, true}, {1.0, false, 0x1p-12}, {1.0, false, 0x1p-24}, {30.0, true}, {1e3, true}, {1e3, false}}};
+constexpr std::array<Relaxation, 10> relaxations{{{1.0, false},
+                                                  {1.0, false, 1.0, true, false},
+                                                  {1.0, true},
+                                                  {1.0, false, 0x1p-12},
+                                                  {1.0, false, 0x1p-24},
+                                                  {30.0, true},
+                                                  {1e3, true},
+                                                  {1e3, false},
+                                                  {1.0, false, 1.0, true},
+                                                  {1.0, true, 1.0, true}}};
 constexpr double shortest_with_jumps = 1e-5;  ///< of the usual length: in steps for shorter segments impulses leave states no digits
 constexpr char idle_mark = 2;                 ///< of a port that is on and carries nothing
 constexpr std::size_t last_coefficients = 3;
@@ -43,6 +53,10 @@ constexpr std::array<double, 3> inner_points{0.066987298107780677, 0.5, 0.933012
 double PartRun::room() const { return (next_break() < request_.stop ? next_break() : request_.stop) - point_.time; }
 
 ExactSegment::Opened PartRun::open_segment(const Position& on) {
+  if (++openings_ > most_openings_ && most_openings_ > 0) {
+    if (failure_.id.empty()) fail(Outcome::no_solution, "E-no-solution", "the search for a position takes too long", {});
+    return ExactSegment::Opened::unresolved;
+  }
   const double longest = std::max(room(), break_tolerance_);
   return segment_->open(factors_, {point_.time, on, point_.z, start_memory_, longest});
 }
@@ -75,13 +89,15 @@ PartRun::Sought PartRun::seek_segment(const Beginning& beginning, Instant& insta
   const auto opened = open_segment(first_.on);
   if (opened == ExactSegment::Opened::singular) trial_.solved = Solved::singular;
   if (opened == ExactSegment::Opened::contradicted) trial_.solved = Solved::no_position;
-  if (opened == ExactSegment::Opened::unresolved && segment_->share() >= shortest_with_jumps) return jump_by_step(Point(first_), h);
+  if (opened == ExactSegment::Opened::unresolved && may_jump_ && segment_->share() >= shortest_with_jumps)
+    return jump_by_step(Point(first_), h);
   if (opened != ExactSegment::Opened::yes) return Sought::not_found;
   const Position on = point_.on = first_.on;
   const Point step = first_;
   segment_->unknowns(segment_->at(0.0), first_.z);
   const bool differs = difference(states_, first_.z) > tolerance::jump;
   if (differs && segment_->distance(point_.z, first_.z) > least_distance()) {
+    if (!may_jump_) return Sought::not_found;
     if (!is_shared_by(step)) return Sought::not_found;
     instant.jump = true;
     return take_jump_of(step, h);
@@ -91,7 +107,8 @@ PartRun::Sought PartRun::seek_segment(const Beginning& beginning, Instant& insta
   first_ = step;
   if (settle_ties(z, on, -1, h) || (open_segment(on) == ExactSegment::Opened::yes && flip_negative(on, most_flips) && is_continuous()))
     return Sought::found;
-  if (!differs || segment_->share() < shortest_with_jumps || open_segment(on) != ExactSegment::Opened::yes) return Sought::not_found;
+  if (!differs || !may_jump_ || segment_->share() < shortest_with_jumps || open_segment(on) != ExactSegment::Opened::yes)
+    return Sought::not_found;
   point_.on = on;
   segment_->unknowns(segment_->at(0.0), first_.z);
   return take_jump_of(step, h);
@@ -171,6 +188,21 @@ bool PartRun::share_freely() {
   return open_segment(on) == ExactSegment::Opened::yes;
 }
 
+/// Where the rows of the segment have lost digits, it is made of solutions that are corrected, if that leaves its signs as they are. False: failed.
+bool PartRun::correct_rows() {
+  if (segment_->is_refined() || !certificate_.looks_next()) return true;
+  const Point first = point_of_segment(0.0, point_.time);
+  if (!(certificate_.row_residual(first, 1.0 / segment_->length()) > tolerance::doubtful_rows)) return true;
+  segment_->refine(true);
+  if (open_segment(point_.on) == ExactSegment::Opened::yes && segment_->negative().empty() &&
+      segment_->distance(first.z, point_of_segment(0.0, point_.time).z) <= tolerance::start_rounding) {
+    segment_->refine_position();
+    return true;
+  }
+  segment_->refine(false);
+  return open_segment(point_.on) == ExactSegment::Opened::yes;
+}
+
 bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
   const Position ahead = std::exchange(position_ahead_, Position{});
   bool found = false;
@@ -178,6 +210,8 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
   for (const Relaxation& relaxation : relaxations) {
     segment_->relax(relaxation.factor, relaxation.takes_positive);
     segment_->shorten(relaxation.length);
+    segment_->refine(relaxation.refines);
+    may_jump_ = relaxation.jumps;
     point_.z = z;
     start_memory_ = memory;
     states_ = states;
@@ -187,11 +221,13 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
     jumps_taken_.clear();
     const Position& candidate = ahead.empty() ? beginning.on : ahead;
     found = follows_directly(candidate) || follows_by_ties(beginning, candidate) || find_after_steps(beginning, instant);
+    if (found && relaxation.refines) segment_->refine_position();
     if (found || !failure_.id.empty()) break;
   }
-  if (found) found = share_freely();
+  if (found) found = share_freely() && correct_rows();
   segment_->relax(1.0, false);
   segment_->shorten(1.0);
+  segment_->refine(false);
   if (found || !failure_.id.empty()) return found;
   if (trial_.solved != Solved::yes) return fail_step(trial_.solved, 0.0);
   fail(Outcome::no_solution, "E-no-solution",
@@ -342,6 +378,7 @@ void PartRun::record_begin(const Point& first) {
   record.jumps = jumps_taken_;
   record.on = point_.on;
   record.shift = 1.0 / segment_->step_length();
+  record.refines = segment_->is_refined();
   record.begin = segment_->start();
   record.rates_at_begin = first.k;
   record.size = segment_->size();

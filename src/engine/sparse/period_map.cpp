@@ -4,15 +4,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
+#include "base/arithmetic.hpp"
+#include "base/disjoint_sets.hpp"
 #include "engine/sparse/sparse_run.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {
 
 namespace {
 
 using linalg::Vector;
+
+constexpr std::uint64_t most_times = 3, most_openings = 200;  ///< of a trial: of those of the run kept, and at least
 
 class NoRows : public RowSink {
  public:
@@ -34,15 +40,16 @@ PeriodMap::PeriodMap(std::shared_ptr<const SparseModel> model, const std::atomic
   }
 }
 
-Answer PeriodMap::advance(State& state, double length, bool records) {
+Answer PeriodMap::advance(State& state, double length, bool records, bool is_trial) {
   Request request;
   request.stop = length;
   request.use_initial_conditions = true;
   request.interrupt = interrupt_;
   NoRows none;
   SparseRun transient(model_->parts, model_->signals, request, segment_tolerance, PartRun::Method::segments, none);
-  transient.begin_lap(records ? &last_ : nullptr);
+  transient.begin_lap(records ? &last_ : nullptr, is_trial ? std::max(most_times * openings_, most_openings) : 0);
   Answer answer = transient.run(state);
+  if (records) last_openings_ = transient.openings();
   if (answer.outcome == Outcome::completed) state = transient.ends();
   return answer;
 }
@@ -68,6 +75,32 @@ void PeriodMap::move_to(State& state, const Vector& unknowns) const {
     const auto count = static_cast<Eigen::Index>(part.unknowns.size());
     Eigen::Map<Vector>(part.unknowns.data(), count) = unknowns.segment(first, count);
     first += count;
+  }
+}
+
+void PeriodMap::step_to(State& state, const Vector& unknowns) const {
+  const Vector before = this->unknowns(state);
+  move_to(state, unknowns);
+  const double* z = before.data();
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    const Descriptor& descriptor = model_->parts[i]->descriptor;
+    std::vector<double>& after = state[i].unknowns;
+    const auto size_of = [&](std::span<const double> own) {
+      return pwlsim::largest(own.first(static_cast<std::size_t>(descriptor.nodes())));
+    };
+    const double size = std::max(size_of({z, after.size()}), size_of(after));
+    DisjointSets one(descriptor.nodes() + 1);  // ground, and each node
+    for (const sparse::State& store : descriptor.states()) {
+      const bool stays =
+          std::abs(store.value(z)) <= tolerance::empty_store * size && std::abs(store.value(after.data())) <= tolerance::moved_store * size;
+      if (stays && !store.is_current) one.join(store.plus + 1, store.minus + 1);
+      if (stays && store.is_current && store.current.empty()) after[static_cast<std::size_t>(store.plus)] = 0.0;
+    }
+    for (int node = 1; node <= descriptor.nodes(); ++node) {
+      const int root = one.find(node);
+      after[static_cast<std::size_t>(node - 1)] = root > 0 ? after[static_cast<std::size_t>(root - 1)] : 0.0;
+    }
+    z += after.size();
   }
 }
 

@@ -24,10 +24,12 @@ class PeriodMap {
   /// The start of a run, from initial values or from the operating point.
   [[nodiscard]] Starts start(bool uic) const { return starts_of(*model_, uic); }
   /// From `state` for `length` s with sources as from t = 0 on, without what happens at the end; `state` is the start and then the end. `records`: its segments, for `keep`.
-  Answer advance(State& state, double length, bool records);
+  /// `is_trial`: it may fail, and does where it costs far more than the run kept, as from states that no motion leads to.
+  Answer advance(State& state, double length, bool records, bool is_trial = false);
   /// From now on `derivative`, and what else is said of the run kept, is of the last run that was recorded.
   void keep() {
     records_ = std::move(last_);
+    openings_ = last_openings_;
     worst_ = 0.0;
   }
   /// An ordinary run with rows from such a state.
@@ -36,6 +38,8 @@ class PeriodMap {
   /// Unknowns of a state that a run has left, part by part: points and deviations of them.
   [[nodiscard]] linalg::Vector unknowns(const State& state) const;
   void move_to(State& state, const linalg::Vector& unknowns) const;
+  /// The same, but stores that are empty in `state` stay so where they would get no more than rounding: it would decide the signs of the diodes beside them.
+  void step_to(State& state, const linalg::Vector& unknowns) const;
   /// Their stores, in √J.
   [[nodiscard]] linalg::Vector energies(const linalg::Vector& unknowns) const;
   /// What a deviation of the start makes of the end of the run kept. False: `failure`.
@@ -84,6 +88,7 @@ class PeriodMap {
   std::vector<SegmentDeviation::Beside> beside_;
   std::string failure_;
   double worst_ = 0.0;
+  std::uint64_t openings_ = 0, last_openings_ = 0;  ///< of the run kept, and of the last that was recorded
   Eigen::Index size_ = 0;
 };
 

@@ -73,6 +73,7 @@ bool SegmentDeviation::smooth(const std::vector<SegmentRecord>& records, std::ve
 /// The space of z_ and more_ in a position.
 bool SegmentDeviation::open(const SegmentRecord& record, const Position& on, double length) {
   const Factor* factor = factors_.at(record.shift, on);
+  space_.refine_all(record.refines);
   double unused = 0.0;
   const bool is_open = factor && space_.begin(*factor, record.shift, on, {z_, more_, zeta_}, scale_) == KrylovSpace::Begun::yes;
   if (!is_open) failure_ = fmt::format("a deviation does not fit the position at t = {} s", record.begin);

@@ -19,6 +19,7 @@ struct SegmentRecord {
   std::vector<Position> jumps;                       ///< before it: positions in which states jumped, in order
   Position on;                                       ///< of its ports
   double shift = 0.0;                                ///< of its space, 1/s
+  bool refines = false;                              ///< its solutions are corrected by their residuals
   double begin = 0.0, length = 0.0;                  ///< s
   double size = 0.0;                                 ///< the largest √energy of its begin and end
   std::vector<double> rates_at_begin, rates_at_end;  ///< E z'

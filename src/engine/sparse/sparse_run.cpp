@@ -109,9 +109,15 @@ bool SparseRun::advance_least() {
   return true;
 }
 
-void SparseRun::begin_lap(std::vector<std::vector<SegmentRecord>>* records) {
+void SparseRun::begin_lap(std::vector<std::vector<SegmentRecord>>* records, std::uint64_t most_openings) {
   if (records) records->assign(tracks_.size(), {});
-  for (std::size_t i = 0; i < tracks_.size(); ++i) tracks_[i]->run.begin_lap(records ? &(*records)[i] : nullptr, true);
+  for (std::size_t i = 0; i < tracks_.size(); ++i) tracks_[i]->run.begin_lap(records ? &(*records)[i] : nullptr, true, most_openings);
+}
+
+std::uint64_t SparseRun::openings() const {
+  std::uint64_t most = 0;
+  for (const auto& track : tracks_) most = std::max(most, track->run.openings());
+  return most;
 }
 
 std::vector<PartStart> SparseRun::ends() {

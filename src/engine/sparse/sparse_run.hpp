@@ -16,8 +16,11 @@ class SparseRun : private RowSource {
   /// `signals`: of the whole network. Parts and request must outlive it.
   SparseRun(const std::vector<std::unique_ptr<const Part>>& parts, std::size_t signals, const Request& request, double reltol,
             PartRun::Method method, RowSink& sink);
-  /// Before `run`, of segments: it stops before what happens at its end, and each part records its segments, where `records` is not null.
-  void begin_lap(std::vector<std::vector<SegmentRecord>>* records);
+  /// Before `run`, of segments: it stops before what happens at its end, and each part records its segments, where `records` is not null. It fails where a part tries more
+  /// positions than that; 0: any number.
+  void begin_lap(std::vector<std::vector<SegmentRecord>>* records, std::uint64_t most_openings);
+  /// The most positions that a part has tried.
+  [[nodiscard]] std::uint64_t openings() const;
   /// One start per part.
   Answer run(const std::vector<PartStart>& starts);
   /// After `run`, the start of another that goes on from there.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "base/arithmetic.hpp"
 #include "engine/sparse/tolerances.hpp"
@@ -52,6 +53,17 @@ void StepCertifier::add_rows(const Point& point, double rate) {
     size_[i] = std::max({size_[i], rate * std::abs(rates_[i]), rate * std::sqrt(std::max(stores_[i], 0.0) * twice_energy)});
 }
 
+double StepCertifier::row_residual(const Point& point, double rate) {
+  const std::vector<double> residual = std::exchange(residual_, {}), size = size_;
+  const double voltage = voltage_;
+  add_rows(point, rate);
+  const double largest = largest_row_residual();
+  residual_ = residual;
+  size_ = size;
+  voltage_ = voltage;
+  return largest;
+}
+
 /// Of the largest voltage and the largest other unknown of a point, in volts.
 StepCertifier::Rounding StepCertifier::rounding_at(const Point& point) const {
   if (least_ == 0.0) return {};
@@ -96,16 +108,22 @@ void StepCertifier::add_energy(const Point& from, const Stepper::Trial& trial) {
   energy_scale_ = std::max({energy_scale_, std::abs(before), std::abs(after), std::abs(flow[0]) + std::abs(flow[1]) + std::abs(flow[2])});
 }
 
+double StepCertifier::largest_row_residual() const {
+  const double most = size_.empty() ? 0.0 : std::max(voltage_, *std::max_element(size_.begin(), size_.end()));
+  double worst = 0.0;
+  for (std::size_t i = 0; i < residual_.size(); ++i)
+    if (size_[i] > 0.0 && residual_[i] > tolerance::unknown_rounding * least_)
+      worst = std::max(worst, residual_[i] / std::max(size_[i], tolerance::idle_row * most));
+  return worst;
+}
+
 Certificate StepCertifier::check() const {
   Certificate certificate;
   certificate.points_checked = points_;
   const double input_scale = std::max(input_scale_, tolerance::idle_row * slack_scale_);  // where no current ever flows
   if (input_scale > 0.0) certificate.complementarity = input_ / input_scale;
   if (slack_scale_ > 0.0) certificate.complementarity = std::max(certificate.complementarity, slack_ / slack_scale_);
-  const double most = size_.empty() ? 0.0 : std::max(voltage_, *std::max_element(size_.begin(), size_.end()));
-  for (std::size_t i = 0; i < size_.size(); ++i)
-    if (size_[i] > 0.0 && residual_[i] > tolerance::unknown_rounding * least_)
-      certificate.kcl_kvl = std::max(certificate.kcl_kvl, residual_[i] / std::max(size_[i], tolerance::idle_row * most));
+  certificate.kcl_kvl = largest_row_residual();
   if (energy_scale_ > 0.0) certificate.energy = energy_ / energy_scale_;
   certificate.energy = std::max(certificate.energy, estimate_);
   return certificate;

@@ -22,14 +22,17 @@ class StepCertifier {
   void add_step(const Point& from, const Stepper::Trial& trial, const Point& reached, const PortSolver& ports);
   /// Whether the next point would be looked at; one that is not counts as seen, and need not be made.
   [[nodiscard]] bool wants_point() {
-    const bool is_sampled = seen_ % stride_ == 0;
+    const bool is_sampled = looks_next();
     if (!is_sampled) ++seen_;
     return is_sampled;
   }
+  [[nodiscard]] bool looks_next() const { return seen_ % stride_ == 0; }
   /// A point by itself. `rate`, 1/s: of a segment, one over its length; a rate that is off by this part of a charge or flux is off by as much as these over it. They
   /// count as what all the energy would be in the row's store, |(E z)_i| <= sqrt(E_ii zᵀE z): that is what a segment's error is measured against.
   /// `rising`: ports whose sign is not judged there, as they are at zero to rounding and rise.
   void add_point(const Point& point, const PortSolver& ports, double rate = 0.0, std::span<const int> rising = {});
+  /// The residual of the rows at a point that is not added, as `check` would have it.
+  [[nodiscard]] double row_residual(const Point& point, double rate);
   /// A segment's error by its own estimate, relative to the largest √energy: a bound of its energy's error.
   void add_estimate(double share) { estimate_ = std::max(estimate_, share); }
   [[nodiscard]] Certificate check() const;
@@ -41,6 +44,7 @@ class StepCertifier {
   [[nodiscard]] Rounding rounding_at(const Point& point) const;
   [[nodiscard]] bool sampled();
   void add_rows(const Point& point, double rate = 0.0);
+  [[nodiscard]] double largest_row_residual() const;
   void add_ports(const Point& point, const PortSolver& ports, std::span<const int> rising = {});
   void add_energy(const Point& from, const Stepper::Trial& trial);
   [[nodiscard]] double energy(const Point& point);

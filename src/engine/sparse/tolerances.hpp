@@ -240,6 +240,12 @@ inline constexpr double lengthened_rounding = 1e-11;
 /// Of: the largest √energy.
 /// Why: five units of rounding: what a solution leaves of the rest in a store that has nothing to do with it.
 inline constexpr double at_rest = 1e-15;
+/// Of: the largest voltage.
+/// Why: 450 units of rounding: a store with less is empty.
+inline constexpr double empty_store = 1e-13;
+/// Of: the largest voltage.
+/// Why: what sums of some hundred vectors leave in such a store.
+inline constexpr double moved_store = 1e-11;
 /// Of: the largest √energy.
 /// Why: beyond it the states that a segment begins with are not those that were given.
 inline constexpr double start_rounding = 1e-8;
@@ -273,6 +279,9 @@ inline constexpr double largest_condition = 1e12;
 /// Of: the largest term of a part, for a row whose terms never exceed it.
 /// Why: the terms of such a row may be rounding errors of the largest term.
 inline constexpr double idle_row = 1e-3;
+/// Of: one, as the residual of a segment's rows where it begins.
+/// Why: with two digits less a run is doubtful: its solutions are then corrected.
+inline constexpr double doubtful_rows = 1e-9;
 /// Of: one, as the certificate's worst residual of a run of segments.
 /// Why: a segment's tolerance is next to rounding: three digits more are lost somewhere.
 inline constexpr double doubtful_segments = 1e-7;
