@@ -2,20 +2,21 @@
 
 namespace Eigen {
 
-template class PartialPivLU<MatrixXd>;
-template class PartialPivLU<MatrixXe>;
-template class PartialPivLU<MatrixXcd>;
-template class FullPivLU<MatrixXd>;
-template class FullPivLU<MatrixXe>;
-template class FullPivLU<MatrixXcd>;
-template class ColPivHouseholderQR<MatrixXd>;
-template class ColPivHouseholderQR<MatrixXe>;
-template class CompleteOrthogonalDecomposition<MatrixXd>;
-template class CompleteOrthogonalDecomposition<MatrixXe>;
-template class JacobiSVD<MatrixXd>;
+template void PartialPivLU<MatrixXd>::compute();
+template void PartialPivLU<MatrixXe>::compute();
+template void PartialPivLU<MatrixXcd>::compute();
+template void FullPivLU<MatrixXd>::computeInPlace();
+template void FullPivLU<MatrixXe>::computeInPlace();
+template void FullPivLU<MatrixXcd>::computeInPlace();
+template void ColPivHouseholderQR<MatrixXd>::computeInPlace();
+template void ColPivHouseholderQR<MatrixXe>::computeInPlace();
+template void CompleteOrthogonalDecomposition<MatrixXd>::computeInPlace();
+template void CompleteOrthogonalDecomposition<MatrixXe>::computeInPlace();
+template void CompleteOrthogonalDecomposition<MatrixXd>::_solve_impl(const VectorXd& right, VectorXd& solution) const;
+template JacobiSVD<MatrixXd>& JacobiSVD<MatrixXd>::compute(const MatrixXd& matrix, unsigned int options);
 template class EigenSolver<MatrixXd>;
 template class EigenSolver<MatrixXe>;
-template EigenSolver<MatrixXd>& EigenSolver<MatrixXd>::compute<MatrixXd>(const EigenBase<MatrixXd>&, bool);
-template EigenSolver<MatrixXe>& EigenSolver<MatrixXe>::compute<MatrixXe>(const EigenBase<MatrixXe>&, bool);
+template EigenSolver<MatrixXd>& EigenSolver<MatrixXd>::compute<MatrixXd>(const EigenBase<MatrixXd>& matrix, bool with_vectors);
+template EigenSolver<MatrixXe>& EigenSolver<MatrixXe>::compute<MatrixXe>(const EigenBase<MatrixXe>& matrix, bool with_vectors);
 
 }  // namespace Eigen

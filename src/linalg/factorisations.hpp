@@ -1,5 +1,6 @@
 #pragma once
-/// Eigen's factorisations, whose code for the matrices below is made once, in factorisations.cpp: each takes seconds to compile.
+/// Eigen's factorisations, whose code for the matrices below is made once, in factorisations.cpp: each takes seconds to compile. Of most only the
+/// factorisation itself: a whole class has members that nothing calls and that take longer.
 
 #include <Eigen/Dense>
 
@@ -7,17 +8,18 @@ namespace Eigen {
 
 using MatrixXe = Matrix<long double, Dynamic, Dynamic>;  ///< linalg::WideMatrix
 
-extern template class PartialPivLU<MatrixXd>;
-extern template class PartialPivLU<MatrixXe>;
-extern template class PartialPivLU<MatrixXcd>;
-extern template class FullPivLU<MatrixXd>;
-extern template class FullPivLU<MatrixXe>;
-extern template class FullPivLU<MatrixXcd>;
-extern template class ColPivHouseholderQR<MatrixXd>;
-extern template class ColPivHouseholderQR<MatrixXe>;
-extern template class CompleteOrthogonalDecomposition<MatrixXd>;
-extern template class CompleteOrthogonalDecomposition<MatrixXe>;
-extern template class JacobiSVD<MatrixXd>;
+extern template void PartialPivLU<MatrixXd>::compute();
+extern template void PartialPivLU<MatrixXe>::compute();
+extern template void PartialPivLU<MatrixXcd>::compute();
+extern template void FullPivLU<MatrixXd>::computeInPlace();
+extern template void FullPivLU<MatrixXe>::computeInPlace();
+extern template void FullPivLU<MatrixXcd>::computeInPlace();
+extern template void ColPivHouseholderQR<MatrixXd>::computeInPlace();
+extern template void ColPivHouseholderQR<MatrixXe>::computeInPlace();
+extern template void CompleteOrthogonalDecomposition<MatrixXd>::computeInPlace();
+extern template void CompleteOrthogonalDecomposition<MatrixXe>::computeInPlace();
+extern template void CompleteOrthogonalDecomposition<MatrixXd>::_solve_impl(const VectorXd& right, VectorXd& solution) const;
+extern template JacobiSVD<MatrixXd>& JacobiSVD<MatrixXd>::compute(const MatrixXd& matrix, unsigned int options);
 extern template class EigenSolver<MatrixXd>;
 extern template class EigenSolver<MatrixXe>;
 extern template EigenSolver<MatrixXd>& EigenSolver<MatrixXd>::compute<MatrixXd>(const EigenBase<MatrixXd>& matrix, bool with_vectors);
