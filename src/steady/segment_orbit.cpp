@@ -139,10 +139,12 @@ class SegmentSearch {
     return ((periods <= 1 || simulate((periods - 1) * task_.multiple)) && lap()) || go_back();
   }
 
-  /// A run that fails on the way, from a state that no motion leads to: the search goes on from the best one so far. False: failed.
+  /// A run that fails on the way, from a state that no motion leads to: the search follows the motion from the best one so far. False: failed.
   bool go_back() {
-    if (orbit_.verdict == Verdict::interrupted || best_norm_ < 0.0 || ++returns_ > most_returns) return false;
+    if (orbit_.verdict == Verdict::interrupted || best_state_.empty() || ++returns_ > most_returns) return false;
     state_ = best_state_;
+    follows_ = implicit_steps;
+    inner_ = 0;
     return lap();
   }
 
@@ -244,8 +246,8 @@ class SegmentSearch {
     if (is_solved || inner_ >= most_inner) {
       pace_ = std::max(1.0, pace_ * (!is_solved ? fewer : inner_ == 1 ? many_more : more));
       if (!is_solved && norm_ > anchor_norm_) {
-        map_.move_to(state_, anchor_);
-        if (!lap()) return Progress::failed;
+        state_ = anchor_state_;
+        if (!lap() && !go_back()) return Progress::failed;
       }
       if (--follows_ == 0) best_norm_ = -1.0;
       inner_ = 0;
@@ -276,6 +278,7 @@ class SegmentSearch {
 
   void begin_implicit(const Vector& at) {
     anchor_ = at;
+    anchor_state_ = state_;
     anchor_norm_ = norm_;
   }
 
@@ -448,7 +451,7 @@ class SegmentSearch {
   State& state_;
   DerivativeSpace::Operator phi_;
   Orbit orbit_;
-  State end_, best_state_;
+  State end_, best_state_, anchor_state_;
   Vector residual_, anchor_;  ///< the point from which an implicit step is taken
   double norm_ = 0.0, anchor_norm_ = 0.0, best_norm_ = -1.0, last_norm_ = -1.0, pace_ = 0.0;
   int bold_ = 0, follows_ = 0, inner_ = 0, phases_ = 0, patience_ = 1, drifts_ = 0, returns_ = 0;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Error against time of the engines and of ngspice on large circuits, as docs/validation/large.md. Needs numpy; ngspice for its column.
 
-    precision.py --pwlsim build/pwlsim > docs/validation/large.md
+    precision.py --pwlsim build/pwlsim      the part of docs/validation/large.md above its gates
 
 Errors are those of all saved signals, relative to each one's largest value, against the exact engine with dense modes where it takes less than --limit seconds, else against the sparse
 engine at --reltol 1e-8, whose own error (from its change between 1e-7 and 1e-8) is said beside the circuit. Times are the least of several of the simulation alone.
