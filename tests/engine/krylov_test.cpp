@@ -393,6 +393,30 @@ TEST_CASE("a switch cuts an inductor's current off beside picoseconds by exact s
   }
 }
 
+// The only resistance, 100 MΩ, makes the unit of currents: i = C ω V cos ωt is 10¹³ V in it, from nothing while the diode blocks, and no impulse. v = V sin ωt until its peak, then e^(−t/RC).
+TEST_CASE("a capacitor of farads charges beside a load of megohms by exact segments", "[unit]") {
+  constexpr double farads = 2.2, volts = 100.0, omega = 100.0 * 3.14159265358979323846, load = 1e8;
+  TestCircuit c;
+  c.v("s", "0", model::Sin{.amplitude = volts, .frequency = 50.0});
+  c.d("s", "a");
+  c.c("a", "0", farads, 10.0);
+  c.r("a", "0", load);
+  c.save_v("a");
+  c.save_i_d(0);
+  const Run run = simulate_segments(c.network(), {.stop = 20e-3, .steps = 20, .uic = true});
+  INFO(run.answer.id << " " << run.answer.message);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  for (std::size_t row = 1; row <= 20; ++row) {
+    const double t = 1e-3 * static_cast<double>(row);
+    const bool conducts = row < 5;
+    CHECK(run.at(row, 0) ==
+          Approx(conducts ? volts * std::sin(omega * t) : volts * std::exp(-(t - 5e-3) / (load * farads))).epsilon(engine_error));
+    if (row != 5)
+      CHECK(std::abs(run.at(row, 1) - (conducts ? farads * omega * volts * std::cos(omega * t) + run.at(row, 0) / load : 0.0)) <
+            engine_error * farads * omega * volts);
+  }
+}
+
 // A transformer of ratio 2 whose leakage, 2e-6 of its inductance, has time constants of 10⁻¹² and 10⁻¹³ s: its diode turns on 10⁻¹⁶ s after the edge. Without leakage v(s) = 2 I/G e^(−t/τ), I the source's
 // current into a short circuit with what the drop drives back, G all conductances at the primary, τ = L G.
 TEST_CASE("a diode turns on within the fastest decay after an edge by exact segments", "[unit]") {

@@ -31,9 +31,9 @@ constexpr int most_no_better = 3;           ///< looks at an error that do not l
 constexpr int most_cuts = 12, most_doublings = 3;
 constexpr double first_look = 2.0, next_look = 4.0;  ///< how far events are looked for, of the expected length, and then of that
 constexpr double shorter = 32.0;                     ///< a segment that cannot be made is tried again at so small a part
-constexpr double most_rise = 1e6;                    ///< of them at the start of a segment: beyond are impulses
-constexpr double most_loss = 1e6;                    ///< of vectors by orthogonalisation, in roundings
-constexpr double least_share = 1.0 / 256.0;          ///< of the usual length: shorter ones make no space of their own
+constexpr double most_rise = 1e6;            ///< of them at the start of a segment: beyond, and beyond what the run has had, are impulses
+constexpr double most_loss = 1e6;            ///< of vectors by orthogonalisation, in roundings
+constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
 constexpr double muting = 30.0, most_muted = 1e6;
 constexpr double tolerances_of_run = 200.0, most_tolerances = 10.0;  ///< that may add up over the run, and that one segment may have
 constexpr int many_vectors = 20;                                     ///< so many cost more than the tolerance is worth
@@ -239,12 +239,12 @@ bool ExactSegment::reaches(double longer) {
 /// Whether voltages and currents, over the length last estimated, are more than what rounding leaves of sums of vectors. In currents that a constraint of voltages
 /// decides, as that of a wire across an inductor, each vector multiplies the rounding of the one before by 1/h, h the size of its new part.
 bool ExactSegment::has_digits() {
-  const auto is_known = [&](double terms, double before, double after) {  // after a jump: with its impulses
+  const auto is_known = [&](double terms, double before, double most, double after) {  // after a jump: with its impulses
     const double size = std::max(before, least_voltage_);
-    return tolerance::row_rounding * terms <= tolerance::known_digits * std::clamp(after, size, most_rise * size);
+    return tolerance::row_rounding * terms <= tolerance::known_digits * std::clamp(after, size, std::max(most, most_rise * size));
   };
   const KrylovSpace::Sizes terms = space_.largest_terms(), first = space_.largest_first();
-  return is_known(terms.voltage, voltage_, first.voltage) && is_known(terms.other, current_, first.other);
+  return is_known(terms.voltage, voltage_, most_voltage_, first.voltage) && is_known(terms.other, current_, most_current_, first.other);
 }
 
 /// Begins the space for the signs alone, with a factor that may be rough. True: these are wrong. `is_begun`: the space is as good as any.
@@ -319,6 +319,8 @@ ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start) {
   on_ = start.on;
   voltage_ = largest(std::span(start.z).first(static_cast<std::size_t>(descriptor_.nodes())));
   current_ = largest(std::span(start.z).subspan(static_cast<std::size_t>(descriptor_.nodes())));
+  most_voltage_ = std::max(most_voltage_, voltage_);
+  most_current_ = std::max(most_current_, current_);
   key_ = key(start.on);
   sources_.states(start.time, zeta_);
   if (start.stepped > 0.0) {

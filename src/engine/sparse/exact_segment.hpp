@@ -177,7 +177,8 @@ class ExactSegment {
   double tolerance_, stop_, least_voltage_ = 0.0, jump_voltage_ = 0.0, relaxation_ = 1.0, share_ = 1.0;
   KrylovSpace space_;
   double start_ = 0.0, length_ = 0.0, peak_ = 0.0, worst_ = 0.0, estimate_ = 0.0, expected_ = 0.0, size_ = 0.0;
-  double voltage_ = 0.0, current_ = 0.0;  ///< largest voltage, and other unknown, of the point it starts from, volts
+  double voltage_ = 0.0, current_ = 0.0;            ///< largest voltage, and other unknown, of the point it starts from, volts
+  double most_voltage_ = 0.0, most_current_ = 0.0;  ///< the largest of those in the run
   Position on_;
   bool takes_positive_ = false, refines_ = false;
   bool has_all_decays_ = false;  ///< of all rates: all vectors there are do not resolve them at the usual γ
