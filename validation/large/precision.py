@@ -88,7 +88,7 @@ def main():
     options = parser.parse_args()
     print("# Large circuits: error against time\n")
     print("Time of the simulation in ms, and in parentheses the largest error of a saved signal against the reference, relative to its largest value. Circuits:")
-    print("`validation/large/circuits.py`. Made by `validation/large/precision.py`; the machine also ran four other programs, so that some times are three times longer than usual: compare times within a row only. ngspice has diodes")
+    print("`validation/large/circuits.py`. Made by `validation/large/precision.py`. ngspice has diodes")
     print("with Ron = 1 mΩ; its columns are for `reltol` 1e-3 and 1e-4.\n")
     print("| circuit | reference | dense modes | krylov | sparse 1e-3 | sparse 1e-4 | sparse 1e-6 | ngspice 1e-3 | ngspice 1e-4 |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
