@@ -10,22 +10,9 @@ using namespace pwlsim::model;
 using pwlsim::engine::Located;
 using pwlsim::engine::Locator;
 using pwlsim::engine::Segment;
-using pwlsim::test::handmade;
+using pwlsim::test::leaking;
+using pwlsim::test::rates;
 using pwlsim::test::set_of;
-
-namespace {
-
-/// x' = (−1 2; −2 −1−1/δ) x with the port active, where u = −x₂/δ; the decay is not orthogonal to the slow motion.
-System leaking(double delta) {
-  Matrix a(2, 2), b(2, 1), c(1, 2), d(1, 1);
-  a << -1, 2, -2, -1;
-  b << 0, 1;
-  c << 0, 1;
-  d << delta;
-  return handmade(a, b, c, d);
-}
-
-}  // namespace
 
 TEST_CASE("decays that are large beside the slow motion describe a segment to its end", "[unit]") {
   const double delta = 1e-4;
@@ -35,9 +22,7 @@ TEST_CASE("decays that are large beside the slow motion describe a segment to it
   const auto slow = build_slow_mode(system, *whole, find_cut(system, rates_by_speed(*whole, 0.1), 0.1), shifted);
   REQUIRE(slow != nullptr);
   whole->slow = slow.get();
-  // Eigenvalues of the matrix: λ² + (2 + r) λ + 5 + r = 0 with r = 1/δ; its eigenvectors are (2, λ + 1).
-  const double r = 1.0 / delta, half = 0.5 * (2.0 + r);
-  const double fast = -half - std::sqrt(half * half - (5.0 + r)), rate = (5.0 + r) / fast;
+  const auto [fast, rate] = rates(delta);  // of eigenvectors (2, λ + 1)
   const double psi = GENERATE(0.0, 1.0, 1e3, 1e6);
   CAPTURE(psi);
   const double x[] = {1.0 - psi * 2.0 / (fast + 1.0), 0.5 * (rate + 1.0) - psi};

@@ -2,6 +2,7 @@
 /// Linear complementarity systems written down by hand: the examples of van der Schaft and Schumacher (1996) and others whose
 /// continuation is known in closed form.
 
+#include <cmath>
 #include <memory>
 
 #include "model/mode.hpp"
@@ -55,6 +56,27 @@ inline model::System relay(double sign) {
   c << 1, 0, 0, 1;
   d << 0, 1, -1, 0;
   return handmade(a, b, c, d, {}, true);
+}
+
+/// A tank of rate 2 with losses; its second state is behind a port whose blocking resistance makes it decay at 1/delta:
+/// active: y = x₂ + δ u = 0, x₂' = −2 x₁ − x₂ + u, hence A_J = (−1 2; −2 −1−1/δ).
+inline model::System leaking(double delta) {
+  model::Matrix a(2, 2), b(2, 1), c(1, 2), d(1, 1);
+  a << -1, 2, -2, -1;
+  b << 0, 1;
+  c << 0, 1;
+  d << delta;
+  return handmade(a, b, c, d);
+}
+
+/// Eigenvalues of (−1 2; −2 −1−r): λ² + (2 + r) λ + 5 + r = 0, the slow one without cancellation.
+struct TwoRates {
+  double fast, slow;
+};
+inline TwoRates rates(double delta) {
+  const double r = 1.0 / delta, half = 0.5 * (2.0 + r);
+  const double fast = -half - std::sqrt(half * half - (5.0 + r));
+  return {fast, (5.0 + r) / fast};
 }
 
 inline model::IndexSet set_of(int ports, std::initializer_list<int> members) {

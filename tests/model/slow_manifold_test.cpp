@@ -7,31 +7,12 @@
 #include "model/handmade_systems.hpp"
 
 using namespace pwlsim::model;
-using pwlsim::test::handmade;
+using pwlsim::test::leaking;
+using pwlsim::test::rates;
 using pwlsim::test::set_of;
+using pwlsim::test::TwoRates;
 
 namespace {
-
-/// A tank of rate 2 with losses; its second state is behind a port whose blocking resistance makes it decay at 1/delta:
-/// active: y = x₂ + δ u = 0, x₂' = −2 x₁ − x₂ + u, hence A_J = (−1 2; −2 −1−1/δ).
-System leaking(double delta) {
-  Matrix a(2, 2), b(2, 1), c(1, 2), d(1, 1);
-  a << -1, 2, -2, -1;
-  b << 0, 1;
-  c << 0, 1;
-  d << delta;
-  return handmade(a, b, c, d);
-}
-
-/// Eigenvalues of (−1 2; −2 −1−r): λ² + (2 + r) λ + 5 + r = 0, the slow one without cancellation.
-struct TwoRates {
-  double fast, slow;
-};
-TwoRates rates(double delta) {
-  const double r = 1.0 / delta, half = 0.5 * (2.0 + r);
-  const double fast = -half - std::sqrt(half * half - (5.0 + r));
-  return {fast, (5.0 + r) / fast};
-}
 
 std::unique_ptr<Mode> slow_mode_of(const System& system, const Mode& whole, double longest) {
   ShiftedSystems shifted(system);

@@ -286,31 +286,31 @@ bool Locator::try_interval(Segment& s, double h, double end, Located& located, b
     decided = false;
     return false;
   }
-  double first = INFINITY, below = 0.0;
-  std::size_t first_index = 0;
+  FirstFall first;
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const Root root = examine(s, i, h);
     if (root.verdict == Verdict::undecided) {
       decided = false;
       return false;
     }
-    if (root.verdict == Verdict::excluded) continue;
-    // Still positive at the earliest root so far: its only root lies behind that.
-    if (first < root.upper && linalg::row_times(s.mode->guards, s.rows[i], event_.data()) > 0.0) continue;
-    if (first <= root.lower) continue;
-    const double at = find_root(s, i, root.lower, std::min(root.upper, first), parabola_root(i), root.below);
-    if (at < first) {
-      first = at;
-      below = root.below;
-      first_index = i;
-      std::copy(at_.begin(), at_.begin() + s.mode->ny, event_.begin());
-    }
+    if (root.verdict == Verdict::one_root) take_earlier(s, i, root, first);
   }
-  if (!(first < INFINITY)) return false;
-  double tau = s.tau + first;
-  if (below == 0.0 && s.decays.empty()) polish(s, s.rows[first_index], tau);
-  end_at_event(s, first_index, tau, end, located);
+  if (!(first.at < INFINITY)) return false;
+  double tau = s.tau + first.at;
+  if (first.below == 0.0 && s.decays.empty()) polish(s, s.rows[first.index], tau);
+  end_at_event(s, first.index, tau, end, located);
   return true;
+}
+
+/// Guard i's one root, where it comes before the first so far, whose state event_ holds.
+void Locator::take_earlier(const Segment& s, std::size_t i, const Root& root, FirstFall& first) {
+  // Still positive at the earliest root so far: its only root lies behind that.
+  if (first.at < root.upper && linalg::row_times(s.mode->guards, s.rows[i], event_.data()) > 0.0) return;
+  if (first.at <= root.lower) return;
+  const double at = find_root(s, i, root.lower, std::min(root.upper, first.at), parabola_root(i), root.below);
+  if (at >= first.at) return;
+  first = {at, root.below, i};
+  std::copy(at_.begin(), at_.begin() + s.mode->ny, event_.begin());
 }
 
 /// One interval by the tests of low order; true when it ended at an event (or at `end`, or undecided at the shortest interval).

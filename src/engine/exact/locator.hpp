@@ -10,6 +10,7 @@
 /// start at zero are safe on (0, (m+1)g_m/K_{m+1}] if their first nonzero derivative g_m > 0 has order m. If that takes many intervals,
 /// the guard is decomposed by eigenvectors (modal_search.hpp).
 
+#include <cmath>
 #include <vector>
 
 #include "engine/exact/modal_search.hpp"
@@ -136,6 +137,12 @@ class Locator {
   double approach_root(const Segment& segment, std::size_t i, double lower, double upper, double at, double below);
   double go_to_root(const Segment& segment, std::size_t i, double lower, double upper, double guess, double below);
   double polish_or_search(const Segment& segment, std::size_t i, double lower, double upper, double at);
+  struct FirstFall {
+    double at = INFINITY;  ///< s from the interval's start; infinite: none
+    double below = 0.0;    ///< as Root::below
+    std::size_t index = 0;
+  };
+  void take_earlier(const Segment& segment, std::size_t i, const Root& root, FirstFall& first);
   void end_at_event(Segment& segment, std::size_t i, double tau, double end, Located& located);
   bool march_by_bounds(Segment& segment, double end, double shortest, Located& located);
   bool march_by_series(Segment& segment, double end, Located& located);

@@ -331,21 +331,12 @@ double Locator::enclose_guards(Segment& s, double h) {
 bool Locator::decide_by_enclosures(Segment& s, double h, double end, Located& located) {
   ++intervals_;
   ++s.intervals;
-  double first = INFINITY;
-  std::size_t first_index = 0;
-  for (std::size_t i = 0; i < s.rows.size(); ++i) {
-    const Enclosed& enclosed = enclosed_[i];
-    if (!enclosed.falls || enclosed.from >= std::min(h, first)) continue;
-    // Still positive at the earliest root so far: its only root lies behind that.
-    if (first < INFINITY && linalg::row_times(s.mode->guards, s.rows[i], event_.data()) > 0.0) continue;
-    const double at = root_by_values(s, i, enclosed.from, std::min(enclosed.until, first), 0.0);
-    if (at > h || at >= first) continue;
-    first = at;
-    first_index = i;
-    linalg::copy(at_.data(), s.mode->ny, event_.data());
-  }
-  if (first < INFINITY) {
-    end_at_event(s, first_index, s.tau + first, end, located);
+  FirstFall first;
+  for (std::size_t i = 0; i < s.rows.size(); ++i)
+    if (const Enclosed& enclosed = enclosed_[i]; enclosed.falls && enclosed.from < h)
+      take_earlier(s, i, {Verdict::one_root, enclosed.until, 0.0, enclosed.from}, first);
+  if (first.at <= h) {
+    end_at_event(s, first.index, s.tau + first.at, end, located);
     return true;
   }
   if (s.tau + h < end) {

@@ -15,7 +15,7 @@ namespace {
 using linalg::Matrix;
 using linalg::Vector;
 
-constexpr std::size_t most_checked_points = 16;
+constexpr std::size_t most_sampled_segments = 16;
 constexpr std::size_t most_first_visits = 32;
 constexpr int most_panels = 4;      ///< of the energy quadrature; a longer stiff stretch is cut to its beginning
 constexpr double panel_rate = 0.5;  ///< rate·panel: eight Gauss points are exact to rounding there
@@ -225,9 +225,9 @@ void SegmentCertifier::add(const IslandModel& island, const Segment& segment, do
   if (segment.mode->visits == 1 && first_visits_.size() < most_first_visits) return keep(first_visits_);
   if ((seen_++ & (stride_ - 1)) != 0) return;
   keep(samples_);
-  if (samples_.size() < most_checked_points) return;
+  if (samples_.size() < most_sampled_segments) return;
   for (std::size_t i = 1; 2 * i < samples_.size(); ++i) samples_[i] = std::move(samples_[2 * i]);
-  samples_.resize(most_checked_points / 2);
+  samples_.resize(most_sampled_segments / 2);
   stride_ *= 2;
 }
 

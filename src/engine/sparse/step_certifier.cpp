@@ -37,31 +37,29 @@ void StepCertifier::add_point(const Point& point, const PortSolver& ports, doubl
 
 void StepCertifier::add_rows(const Point& point, double rate) {
   const auto n = static_cast<std::size_t>(descriptor_.size());
-  for (auto* v : {&residual_, &size_}) v->resize(n, 0.0);
+  for (auto* v : {&rows_.residual, &rows_.size}) v->resize(n, 0.0);
   for (auto* v : {&rates_, &row_size_}) v->resize(n);
   descriptor_.rates(point.z.data(), point.w.data(), rates_.data());
   descriptor_.rate_sizes(point.z.data(), point.w.data(), row_size_.data());
-  for (int node = 0; node < descriptor_.nodes(); ++node) voltage_ = std::max(voltage_, std::abs(point.z[static_cast<std::size_t>(node)]));
+  for (int node = 0; node < descriptor_.nodes(); ++node)
+    rows_.voltage = std::max(rows_.voltage, std::abs(point.z[static_cast<std::size_t>(node)]));
   for (std::size_t i = 0; i < n; ++i) {
-    residual_[i] = std::max(residual_[i], std::abs(point.k[i] - rates_[i]));
-    size_[i] = std::max(size_[i], std::abs(point.k[i]) + row_size_[i]);
+    rows_.residual[i] = std::max(rows_.residual[i], std::abs(point.k[i] - rates_[i]));
+    rows_.size[i] = std::max(rows_.size[i], std::abs(point.k[i]) + row_size_[i]);
   }
   if (rate == 0.0) return;
   descriptor_.memory(point.z.data(), rates_.data());
   const double twice_energy = std::max(descriptor_.product(point.z, rates_), 0.0);
   for (std::size_t i = 0; i < n; ++i)
-    size_[i] = std::max({size_[i], rate * std::abs(rates_[i]), rate * std::sqrt(std::max(stores_[i], 0.0) * twice_energy)});
+    rows_.size[i] = std::max({rows_.size[i], rate * std::abs(rates_[i]), rate * std::sqrt(std::max(stores_[i], 0.0) * twice_energy)});
 }
 
 double StepCertifier::row_residual(const Point& point, double rate) {
-  const std::vector<double> residual = std::exchange(residual_, {}), size = size_;
-  const double voltage = voltage_;
+  Rows kept = rows_;
+  rows_.residual.clear();
   add_rows(point, rate);
-  const double largest = largest_row_residual();
-  residual_ = residual;
-  size_ = size;
-  voltage_ = voltage;
-  return largest;
+  std::swap(rows_, kept);
+  return largest_residual(kept);
 }
 
 /// Of the largest voltage and the largest other unknown of a point, in volts.
@@ -108,12 +106,12 @@ void StepCertifier::add_energy(const Point& from, const Stepper::Trial& trial) {
   energy_scale_ = std::max({energy_scale_, std::abs(before), std::abs(after), std::abs(flow[0]) + std::abs(flow[1]) + std::abs(flow[2])});
 }
 
-double StepCertifier::largest_row_residual() const {
-  const double most = size_.empty() ? 0.0 : std::max(voltage_, *std::max_element(size_.begin(), size_.end()));
+double StepCertifier::largest_residual(const Rows& rows) const {
+  const double most = rows.size.empty() ? 0.0 : std::max(rows.voltage, *std::max_element(rows.size.begin(), rows.size.end()));
   double worst = 0.0;
-  for (std::size_t i = 0; i < residual_.size(); ++i)
-    if (size_[i] > 0.0 && residual_[i] > tolerance::unknown_rounding * least_)
-      worst = std::max(worst, residual_[i] / std::max(size_[i], tolerance::idle_row * most));
+  for (std::size_t i = 0; i < rows.residual.size(); ++i)
+    if (rows.size[i] > 0.0 && rows.residual[i] > tolerance::unknown_rounding * least_)
+      worst = std::max(worst, rows.residual[i] / std::max(rows.size[i], tolerance::idle_row * most));
   return worst;
 }
 
@@ -123,7 +121,7 @@ Certificate StepCertifier::check() const {
   const double input_scale = std::max(input_scale_, tolerance::idle_row * slack_scale_);  // where no current ever flows
   if (input_scale > 0.0) certificate.complementarity = input_ / input_scale;
   if (slack_scale_ > 0.0) certificate.complementarity = std::max(certificate.complementarity, slack_ / slack_scale_);
-  certificate.kcl_kvl = largest_row_residual();
+  certificate.kcl_kvl = largest_residual(rows_);
   if (energy_scale_ > 0.0) certificate.energy = energy_ / energy_scale_;
   certificate.energy = std::max(certificate.energy, estimate_);
   return certificate;

@@ -44,16 +44,22 @@ class StepCertifier {
   [[nodiscard]] Rounding rounding_at(const Point& point) const;
   [[nodiscard]] bool sampled();
   void add_rows(const Point& point, double rate = 0.0);
-  [[nodiscard]] double largest_row_residual() const;
+  /// The largest residual and the largest terms of each row, and the largest voltage of a node: over R0 a current that counts when all is at rest.
+  struct Rows {
+    std::vector<double> residual, size;
+    double voltage = 0.0;
+  };
+  [[nodiscard]] double largest_residual(const Rows& rows) const;
   void add_ports(const Point& point, const PortSolver& ports, std::span<const int> rising = {});
   void add_energy(const Point& from, const Stepper::Trial& trial);
   [[nodiscard]] double energy(const Point& point);
 
   const Descriptor& descriptor_;
   std::vector<double> stores_;
-  std::vector<double> residual_, size_, rates_, row_size_;
+  Rows rows_;
+  std::vector<double> rates_, row_size_;
   double input_ = 0.0, slack_ = 0.0, input_scale_ = 0.0, slack_scale_ = 0.0;
-  double voltage_ = 0.0, least_ = 0.0;  ///< largest of a node: over R0 a current that counts when all is at rest
+  double least_ = 0.0;
   double energy_ = 0.0, energy_scale_ = 0.0, estimate_ = 0.0;
   std::uint64_t seen_ = 0, stride_ = 1, points_ = 0;
 };
