@@ -12,8 +12,6 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr int most_estimates = 5;
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 double sum_of_sizes(const std::vector<double>& x) {
   double sum = 0.0;
   for (const double value : x) sum += std::abs(value);
@@ -36,25 +34,26 @@ void FixedPivotFactor::find_pivot_ratio() {
   pivot_ratio_ = most > 0.0 ? least / most : 1.0;
 }
 
-void FixedPivotFactor::scale_rows(const SparsePattern& pattern, const std::vector<double>& values) {
-  values_.row_factor.assign(at(pattern.size), 0.0);
-  for (std::size_t e = 0; e < values.size(); ++e) {
-    double& most = values_.row_factor[at(pivots_->place[at(pattern.row[e])])];
-    most = std::max(most, std::abs(values[e]));
+void FixedPivotFactor::scale_rows(const std::vector<double>& values) {
+  const SparsePattern& pattern = pivots_->pattern;
+  values_.row_factor.assign(index(pattern.size), 0.0);
+  for (std::size_t e = 0; e < pattern.entries(); ++e) {
+    double& most = values_.row_factor[index(pivots_->place[index(pattern.row[e])])];
+    most = std::max(most, std::abs(values[index(pivots_->entry[e])]));
   }
   for (double& most : values_.row_factor) most = most > 0.0 ? 1.0 / most : 1.0;
 }
 
 /// Column k of the scaled matrix into `column`, of the block that begins at `first`; entries above the block into the values. Its largest entry.
-double FixedPivotFactor::scatter(const SparsePattern& pattern, const std::vector<double>& values, int k, int first, int& above,
-                                 double* column) {
-  const std::size_t source = at(pivots_->column[at(k)]);
+double FixedPivotFactor::scatter(const std::vector<double>& values, int k, int first, int& above, double* column) {
+  const SparsePattern& pattern = pivots_->pattern;
+  const std::size_t source = index(pivots_->column[index(k)]);
   double most = 0.0;
   for (int e = pattern.start[source]; e < pattern.start[source + 1]; ++e) {
-    const int place = pivots_->place[at(pattern.row[at(e)])];
-    const double value = values[at(e)] * values_.row_factor[at(place)];
+    const int place = pivots_->place[index(pattern.row[index(e)])];
+    const double value = values[index(pivots_->entry[index(e)])] * values_.row_factor[index(place)];
     if (place < first) {
-      values_.upper[at(above++)] = value;
+      values_.upper[index(above++)] = value;
     } else {
       column[place] = value;
       most = std::max(most, std::abs(value));
@@ -67,38 +66,39 @@ double FixedPivotFactor::scatter(const SparsePattern& pattern, const std::vector
 double FixedPivotFactor::eliminate(int k, int above, double* column) {
   const Pivots& p = *pivots_;
   double most = 0.0;
-  for (int e = above; e < p.upper_start[at(k) + 1]; ++e) {
-    const std::size_t j = at(p.upper_row[at(e)]);
+  for (int e = above; e < p.upper_start[index(k) + 1]; ++e) {
+    const std::size_t j = index(p.upper_row[index(e)]);
     const double u = std::exchange(column[j], 0.0);
-    values_.upper[at(e)] = u;
+    values_.upper[index(e)] = u;
     if (u == 0.0) continue;
     most = std::max(most, std::abs(u));
-    for (int l = p.lower_start[j]; l < p.lower_start[j + 1]; ++l) column[p.lower_row[at(l)]] -= values_.lower[at(l)] * u;
+    for (int l = p.lower_start[j]; l < p.lower_start[j + 1]; ++l) column[p.lower_row[index(l)]] -= values_.lower[index(l)] * u;
   }
   const double pivot = std::exchange(column[k], 0.0);
   const double inverse = 1.0 / pivot;
-  values_.inverse_pivot[at(k)] = inverse;
-  for (int l = p.lower_start[at(k)]; l < p.lower_start[at(k) + 1]; ++l)
-    values_.lower[at(l)] = std::exchange(column[p.lower_row[at(l)]], 0.0) * inverse;
+  values_.inverse_pivot[index(k)] = inverse;
+  for (int l = p.lower_start[index(k)]; l < p.lower_start[index(k) + 1]; ++l)
+    values_.lower[index(l)] = std::exchange(column[p.lower_row[index(l)]], 0.0) * inverse;
   return std::max(most, std::abs(pivot));
 }
 
-bool FixedPivotFactor::factor(const SparsePattern& pattern, const std::vector<double>& values, std::shared_ptr<const Pivots> pivots,
-                              std::vector<double>& work) {
+bool FixedPivotFactor::factor(const std::vector<double>& values, std::shared_ptr<const Pivots> pivots, std::vector<double>& work) {
   pivots_ = std::move(pivots);
   const Pivots& p = *pivots_;
+  if (std::any_of(p.left_out.begin(), p.left_out.end(), [&](int e) { return values[index(e)] != 0.0; })) return false;
+  const std::size_t n = index(p.pattern.size);
   values_.lower.resize(p.lower_row.size());
   values_.upper.resize(p.upper_row.size());
-  values_.inverse_pivot.resize(at(pattern.size));
-  work.assign(at(pattern.size), 0.0);
-  scale_rows(pattern, values);
+  values_.inverse_pivot.resize(n);
+  work.assign(n, 0.0);
+  scale_rows(values);
   growth_ = 1.0;
   for (std::size_t b = 0; b + 1 < p.block.size(); ++b)
     for (int k = p.block[b]; k < p.block[b + 1]; ++k) {
-      int above = p.upper_start[at(k)];
-      const double of_matrix = scatter(pattern, values, k, p.block[b], above, work.data());
+      int above = p.upper_start[index(k)];
+      const double of_matrix = scatter(values, k, p.block[b], above, work.data());
       const double of_upper = eliminate(k, above, work.data());
-      const double inverse = std::abs(values_.inverse_pivot[at(k)]);
+      const double inverse = std::abs(values_.inverse_pivot[index(k)]);
       if (!(inverse > 0.0 && inverse < infinite && of_upper < infinite)) return false;
       if (p.block[b + 1] - p.block[b] > 1) growth_ = std::min(growth_, of_matrix / of_upper);
     }
@@ -116,7 +116,7 @@ void FixedPivotFactor::solve(double* b, std::vector<double>& work) const {
   const double *const lower = values_.lower.data(), *const upper = values_.upper.data();
   for (std::size_t k = 0; k < n; ++k) x[k] = b[p.row[k]] * values_.row_factor[k];
   for (std::size_t block = p.block.size() - 1; block-- > 0;) {
-    const std::size_t first = at(p.block[block]), end = at(p.block[block + 1]);
+    const std::size_t first = index(p.block[block]), end = index(p.block[block + 1]);
     for (std::size_t k = first; k + 1 < end; ++k) {
       const double factor = x[k];
       if (factor == 0.0) continue;
@@ -138,13 +138,13 @@ void FixedPivotFactor::solve_transposed(double* b, std::vector<double>& work) co
   double* const x = work.data();
   for (std::size_t k = 0; k < n; ++k) x[k] = b[p.column[k]];
   for (std::size_t block = 0; block + 1 < p.block.size(); ++block) {
-    const std::size_t first = at(p.block[block]), end = at(p.block[block + 1]);
+    const std::size_t first = index(p.block[block]), end = index(p.block[block + 1]);
     for (std::size_t k = first; k < end; ++k) {
-      for (int u = p.upper_start[k]; u < p.upper_start[k + 1]; ++u) x[k] -= values_.upper[at(u)] * x[p.upper_row[at(u)]];
+      for (int u = p.upper_start[k]; u < p.upper_start[k + 1]; ++u) x[k] -= values_.upper[index(u)] * x[p.upper_row[index(u)]];
       x[k] *= values_.inverse_pivot[k];
     }
     for (std::size_t k = end; k-- > first;)
-      for (int l = p.lower_start[k]; l < p.lower_start[k + 1]; ++l) x[k] -= values_.lower[at(l)] * x[p.lower_row[at(l)]];
+      for (int l = p.lower_start[k]; l < p.lower_start[k + 1]; ++l) x[k] -= values_.lower[index(l)] * x[p.lower_row[index(l)]];
   }
   for (std::size_t k = 0; k < n; ++k) b[p.row[k]] = x[k] * values_.row_factor[k];
 }

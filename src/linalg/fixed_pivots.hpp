@@ -14,6 +14,9 @@ namespace pwlsim::linalg {
 
 /// Order of the pivots, and the pattern of the factors that belongs to it.
 struct Pivots {
+  SparsePattern pattern;         ///< of the matrix, without entries that are zero
+  std::vector<int> entry;        ///< of the array of values, of each entry of the pattern
+  std::vector<int> left_out;     ///< entries of that array that have to be zero
   std::vector<int> row, column;  ///< of A, of each pivot
   std::vector<int> place;        ///< of a row of A among the pivots
   std::vector<int> block;        ///< bounds of the diagonal blocks
@@ -32,9 +35,8 @@ class FixedPivotFactor {
   /// The pivots of known values, whose growth is accepted.
   FixedPivotFactor(std::shared_ptr<const Pivots> pivots, Values values);
 
-  /// `values`: of the pattern that the pivots belong to. False if a pivot is zero or a factor is not finite.
-  [[nodiscard]] bool factor(const SparsePattern& pattern, const std::vector<double>& values, std::shared_ptr<const Pivots> pivots,
-                            std::vector<double>& work);
+  /// `values`: as the pivots' `entry` and `left_out` number them. False if a pivot is zero, a factor is not finite, or what has to be zero is not.
+  [[nodiscard]] bool factor(const std::vector<double>& values, std::shared_ptr<const Pivots> pivots, std::vector<double>& work);
   /// b := A⁻¹ b
   void solve(double* b, std::vector<double>& work) const;
   /// b := A⁻ᵀ b
@@ -52,9 +54,8 @@ class FixedPivotFactor {
 
  private:
   void find_pivot_ratio();
-  void scale_rows(const SparsePattern& pattern, const std::vector<double>& values);
-  [[nodiscard]] double scatter(const SparsePattern& pattern, const std::vector<double>& values, int k, int first, int& above,
-                               double* column);
+  void scale_rows(const std::vector<double>& values);
+  [[nodiscard]] double scatter(const std::vector<double>& values, int k, int first, int& above, double* column);
   [[nodiscard]] double eliminate(int k, int above, double* column);
 
   std::shared_ptr<const Pivots> pivots_;

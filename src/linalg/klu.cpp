@@ -4,16 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
+#include "linalg/sifted.hpp"
 #include "linalg/tolerances.hpp"
 
 namespace pwlsim::linalg {
 
 namespace {
 
-int* writable(const std::vector<int>& v) { return const_cast<int*>(v.data()); }           // KLU takes no const, and writes nothing
-double* writable(const std::vector<double>& v) { return const_cast<double*>(v.data()); }  // likewise
+int* writable(const std::vector<int>& v) { return const_cast<int*>(v.data()); }  // KLU takes no const, and writes nothing
 
 /// Largest sum of a column.
 double norm(const SparsePattern& pattern, const std::vector<double>& values) {
@@ -28,113 +29,200 @@ double norm(const SparsePattern& pattern, const std::vector<double>& values) {
 
 }  // namespace
 
-struct KluOrdering::Handle {
-  klu_common common{};
-  klu_symbolic* symbolic = nullptr;
-  bool by_columns_tried = false;
-};
-
-KluOrdering::KluOrdering(SparsePattern pattern) : pattern_(std::move(pattern)), handle_(std::make_unique<Handle>()) {
-  klu_defaults(&handle_->common);
-  if (pattern_.size > 0) handle_->symbolic = klu_analyze(pattern_.size, writable(pattern_.start), writable(pattern_.row), &handle_->common);
-}
-
-KluOrdering::~KluOrdering() { klu_free_symbolic(&handle_->symbolic, &handle_->common); }
-
-bool KluOrdering::structurally_regular() const {
-  return pattern_.size == 0 || (handle_->symbolic != nullptr && handle_->symbolic->structural_rank == pattern_.size);
-}
-
 namespace {
 
 struct Columns {
-  Columns(int n, int entries)
-      : start(static_cast<std::size_t>(n) + 1), row(static_cast<std::size_t>(entries)), value(static_cast<std::size_t>(entries)) {}
-  /// The entries of a column but so many at its begin and end.
-  void append(std::size_t k, int at_begin, int at_end, std::vector<int>& rows, std::vector<double>& values) const {
-    const int first = start[k] + at_begin, end = start[k + 1] - at_end;
-    rows.insert(rows.end(), row.begin() + first, row.begin() + end);
-    values.insert(values.end(), value.begin() + first, value.begin() + end);
+  void resize(std::size_t n, int entries) {
+    start.resize(n + 1);
+    row.resize(static_cast<std::size_t>(entries));
+    value.resize(static_cast<std::size_t>(entries));
   }
   std::vector<int> start, row;
   std::vector<double> value;
 };
 
-/// What KLU found; it puts the ones of L first in their columns and the pivots last in those of U.
-FixedPivotFactor factor_of(klu_numeric* numeric, klu_symbolic* symbolic, klu_common* common) {
-  const int size = symbolic->n;
-  const auto n = static_cast<std::size_t>(size);
-  Columns lower(size, numeric->lnz), upper(size, numeric->unz), outer(size, numeric->nzoff);
+/// Columns one after the other, in arrays that have room for all.
+class PackedColumns {
+ public:
+  PackedColumns(std::vector<int>& rows, std::vector<double>& values, std::size_t room) {
+    rows.resize(room);
+    values.resize(room);
+    row_ = rows.data();
+    value_ = values.data();
+  }
+  void add(const Columns& from, int first, int end) {
+    for (int e = first; e < end; ++e) {
+      row_[size_] = from.row[static_cast<std::size_t>(e)];
+      value_[size_++] = from.value[static_cast<std::size_t>(e)];
+    }
+  }
+  [[nodiscard]] int size() const { return size_; }
+
+ private:
+  int* row_;
+  double* value_;
+  int size_ = 0;
+};
+
+/// Entries of the factors for each of the matrix: so much room is made at first.
+constexpr double usual_fill = 2.0;
+constexpr int colamd = 1;
+
+}  // namespace
+
+struct KluOrdering::Handle {
+  explicit Handle(const SparsePattern& pattern) : pattern(pattern) { klu_defaults(&common); }
+  /// Of KLU's ordering by that method. False: it found none.
+  bool find_order(int method);
+  void take_order(BlockOrder other) {
+    order = std::move(other);
+    sifter.emplace(pattern, order);
+  }
+
+  const SparsePattern& pattern;
+  klu_common common{};
+  bool is_regular = true, by_columns_tried = false;
+  double expected_fill = 0.0;  ///< entries of L and U, with all pivots on the ordering's diagonal
+  double fill = usual_fill;    ///< entries of the last factor for each of its matrix
+  BlockOrder order;
+  std::optional<Sifter> sifter;
+  Columns lower, upper, outer;  ///< room for what KLU found
+};
+
+bool KluOrdering::Handle::find_order(int method) {
+  const int usual = std::exchange(common.ordering, method);
+  klu_symbolic* symbolic = klu_analyze(pattern.size, writable(pattern.start), writable(pattern.row), &common);
+  common.ordering = usual;
+  if (symbolic == nullptr) return false;
+  is_regular = symbolic->structural_rank == pattern.size;
+  expected_fill = symbolic->lnz + symbolic->unz;
+  const int n = pattern.size;
+  take_order({{symbolic->P, symbolic->P + n}, {symbolic->Q, symbolic->Q + n}, {symbolic->R, symbolic->R + symbolic->nblocks + 1}});
+  klu_free_symbolic(&symbolic, &common);
+  return true;
+}
+
+KluOrdering::KluOrdering(SparsePattern pattern) : pattern_(std::move(pattern)), handle_(std::make_unique<Handle>(pattern_)) {
+  if (pattern_.size > 0) handle_->is_regular = handle_->find_order(handle_->common.ordering) && handle_->is_regular;
+}
+
+KluOrdering::~KluOrdering() = default;
+
+bool KluOrdering::structurally_regular() const { return handle_->is_regular; }
+
+/// A factorisation by KLU of a matrix without its zeros.
+class KluOrdering::Elimination {
+ public:
+  Elimination(Handle& handle, const std::vector<double>& values);
+  ~Elimination() { klu_free_numeric(&numeric_, &handle_.common); }
+  Elimination(const Elimination&) = delete;
+  Elimination& operator=(const Elimination&) = delete;
+
+  [[nodiscard]] int status() const { return status_; }
+  [[nodiscard]] bool is_regular() const { return numeric_ != nullptr && status_ == KLU_OK; }
+  /// Entries of L and U.
+  [[nodiscard]] double fill() const { return static_cast<double>(numeric_->lnz) + static_cast<double>(numeric_->unz); }
+  [[nodiscard]] FixedPivotFactor take();
+
+ private:
+  void find_symbolic();
+
+  Handle& handle_;
+  Sifted sifted_;
+  std::vector<double> entries_of_lower_;
+  klu_symbolic symbolic_{};
+  klu_numeric* numeric_ = nullptr;
+  int status_ = KLU_OK;
+};
+
+KluOrdering::Elimination::Elimination(Handle& handle, const std::vector<double>& values)
+    : handle_(handle), sifted_(handle.sifter->sift(values)) {
+  find_symbolic();
+  std::vector<double> kept(sifted_.entry.size());
+  for (std::size_t e = 0; e < kept.size(); ++e) kept[e] = values[static_cast<std::size_t>(sifted_.entry[e])];
+  numeric_ = klu_factor(sifted_.pattern.start.data(), sifted_.pattern.row.data(), kept.data(), &symbolic_, &handle.common);
+  status_ = handle.common.status;
+  if (is_regular()) handle.fill = fill() / static_cast<double>(kept.size());
+}
+
+/// What KLU calls so, with the blocks that are left.
+void KluOrdering::Elimination::find_symbolic() {
+  BlockOrder& order = sifted_.order;
+  symbolic_.n = sifted_.pattern.size;
+  symbolic_.nz = static_cast<int>(sifted_.pattern.entries());
+  symbolic_.P = order.row.data();
+  symbolic_.Q = order.column.data();
+  symbolic_.R = order.block.data();
+  symbolic_.nzoff = sifted_.entries_above;
+  symbolic_.nblocks = static_cast<int>(order.block.size()) - 1;
+  symbolic_.structural_rank = symbolic_.n;
+  for (int b = 0; b < symbolic_.nblocks; ++b) {
+    const auto i = static_cast<std::size_t>(b);
+    symbolic_.maxblock = std::max(symbolic_.maxblock, order.block[i + 1] - order.block[i]);
+    entries_of_lower_.push_back(0.5 * handle_.fill * sifted_.entries_of_block[i]);
+  }
+  symbolic_.Lnz = entries_of_lower_.data();
+}
+
+/// KLU puts the ones of L first in their columns and the pivots last in those of U.
+FixedPivotFactor KluOrdering::Elimination::take() {
+  const auto n = static_cast<std::size_t>(symbolic_.n);
+  Columns &lower = handle_.lower, &upper = handle_.upper, &outer = handle_.outer;
+  lower.resize(n, numeric_->lnz);
+  upper.resize(n, numeric_->unz);
+  outer.resize(n, numeric_->nzoff);
   auto pivots = std::make_shared<Pivots>();
   FixedPivotFactor::Values values;
   for (auto* indices : {&pivots->row, &pivots->column, &pivots->place}) indices->resize(n);
-  pivots->block.resize(static_cast<std::size_t>(symbolic->nblocks) + 1);
+  pivots->block.resize(static_cast<std::size_t>(symbolic_.nblocks) + 1);
   values.row_factor.resize(n);
   values.inverse_pivot.resize(n);
-  klu_extract(numeric, symbolic, lower.start.data(), lower.row.data(), lower.value.data(), upper.start.data(), upper.row.data(),
+  klu_extract(numeric_, &symbolic_, lower.start.data(), lower.row.data(), lower.value.data(), upper.start.data(), upper.row.data(),
               upper.value.data(), outer.start.data(), outer.row.data(), outer.value.data(), pivots->row.data(), pivots->column.data(),
-              values.row_factor.data(), pivots->block.data(), common);
-  pivots->lower_row.reserve(lower.row.size() - n);
-  values.lower.reserve(lower.row.size() - n);
-  pivots->upper_row.reserve(upper.row.size() - n + outer.row.size());
-  values.upper.reserve(upper.row.size() - n + outer.row.size());
+              values.row_factor.data(), pivots->block.data(), &handle_.common);
+  PackedColumns in_lower(pivots->lower_row, values.lower, lower.row.size() - n);
+  PackedColumns in_upper(pivots->upper_row, values.upper, upper.row.size() - n + outer.row.size());
+  pivots->lower_start.reserve(n + 1);
+  pivots->upper_start.reserve(n + 1);
   for (std::size_t k = 0; k < n; ++k) {
     pivots->place[static_cast<std::size_t>(pivots->row[k])] = static_cast<int>(k);
     values.row_factor[k] = 1.0 / values.row_factor[k];
     values.inverse_pivot[k] = 1.0 / upper.value[static_cast<std::size_t>(upper.start[k + 1]) - 1];
-    lower.append(k, 1, 0, pivots->lower_row, values.lower);
-    outer.append(k, 0, 0, pivots->upper_row, values.upper);
-    upper.append(k, 0, 1, pivots->upper_row, values.upper);
-    pivots->lower_start.push_back(static_cast<int>(pivots->lower_row.size()));
-    pivots->upper_start.push_back(static_cast<int>(pivots->upper_row.size()));
+    in_lower.add(lower, lower.start[k] + 1, lower.start[k + 1]);
+    in_upper.add(outer, outer.start[k], outer.start[k + 1]);
+    in_upper.add(upper, upper.start[k], upper.start[k + 1] - 1);
+    pivots->lower_start.push_back(in_lower.size());
+    pivots->upper_start.push_back(in_upper.size());
   }
+  pivots->pattern = std::move(sifted_.pattern);
+  pivots->entry = std::move(sifted_.entry);
+  pivots->left_out = std::move(sifted_.left_out);
   return {std::move(pivots), std::move(values)};
 }
 
-double fill(const klu_numeric& numeric) { return static_cast<double>(numeric.lnz) + static_cast<double>(numeric.unz); }
-
-/// Of the minimum degree ordering, with all pivots on its diagonal.
-double expected_fill(const klu_symbolic& symbolic) { return symbolic.lnz + symbolic.unz; }
-
-/// Minimum degree counts on pivots on the diagonal. Where many are zero there, as in the rows of ports that may be on either side, an ordering of columns (COLAMD) that
-/// expects any pivot fills less. Symbolic and numeric become its own if it does.
-void order_by_columns(const SparsePattern& p, const std::vector<double>& values, klu_common& common, klu_symbolic*& symbolic,
-                      klu_numeric*& numeric) {
-  constexpr int colamd = 1;
-  const int minimum_degree = std::exchange(common.ordering, colamd);
-  klu_symbolic* other = klu_analyze(p.size, writable(p.start), writable(p.row), &common);
-  common.ordering = minimum_degree;
-  klu_numeric* factored = other ? klu_factor(writable(p.start), writable(p.row), writable(values), other, &common) : nullptr;
-  if (factored != nullptr && common.status == KLU_OK && fill(*factored) < fill(*numeric)) {
-    std::swap(symbolic, other);
-    std::swap(numeric, factored);
-  }
-  klu_free_numeric(&factored, &common);
-  klu_free_symbolic(&other, &common);
-  common.status = KLU_OK;  // of the numeric that stays
-}
-
-}  // namespace
-
 Factored KluFactor::factor(const std::vector<double>& values) {
   singular_column_ = -1;
-  const SparsePattern& p = ordering_->pattern_;
-  if (p.size == 0) return Factored::good;
-  auto& [common, symbolic, by_columns_tried] = *ordering_->handle_;
+  if (ordering_->pattern_.size == 0) return Factored::good;
   if (!ordering_->structurally_regular()) return Factored::singular;
-  klu_numeric* numeric = klu_factor(writable(p.start), writable(p.row), writable(values), symbolic, &common);
+  KluOrdering::Handle& handle = *ordering_->handle_;
+  auto elimination = std::make_unique<KluOrdering::Elimination>(handle, values);
   ++ordering_->counts.factorizations;
-  if (numeric != nullptr && common.status == KLU_OK && !by_columns_tried &&
-      fill(*numeric) > tolerance::most_fill * expected_fill(*symbolic)) {
-    by_columns_tried = true;
-    order_by_columns(p, values, common, symbolic, numeric);
+  if (elimination->is_regular() && !handle.by_columns_tried && elimination->fill() > tolerance::most_fill * handle.expected_fill) {
+    handle.by_columns_tried = true;
+    const BlockOrder usual = handle.order;
+    const bool has_other = handle.find_order(colamd);
+    auto other = has_other ? std::make_unique<KluOrdering::Elimination>(handle, values) : nullptr;
+    if (other && other->is_regular() && other->fill() < elimination->fill())
+      elimination = std::move(other);
+    else
+      handle.take_order(usual);
   }
-  const auto status = common.status;
-  const bool regular = numeric != nullptr && status == KLU_OK;
-  if (regular) numeric_ = factor_of(numeric, symbolic, &common);
-  klu_free_numeric(&numeric, &common);
-  if (status == KLU_SINGULAR) singular_column_ = common.singular_col;
-  if (!regular) return status == KLU_OUT_OF_MEMORY || status == KLU_TOO_LARGE ? Factored::no_memory : Factored::singular;
+  if (!elimination->is_regular()) {
+    const int status = elimination->status();
+    if (status == KLU_SINGULAR) singular_column_ = handle.common.singular_col;
+    return status == KLU_OUT_OF_MEMORY || status == KLU_TOO_LARGE ? Factored::no_memory : Factored::singular;
+  }
+  numeric_ = elimination->take();
   first_pivot_ratio_ = numeric_.pivot_ratio();
   return Factored::good;
 }
@@ -147,7 +235,7 @@ bool KluFactor::pivots_are_good(const std::vector<double>& values) const {
 
 Factored KluFactor::keep(const std::shared_ptr<const Pivots>& pivots, const std::vector<double>& values) {
   if (!pivots) return factor(values);
-  const bool done = numeric_.factor(ordering_->pattern_, values, pivots, ordering_->work_);
+  const bool done = numeric_.factor(values, pivots, ordering_->work_);
   ++ordering_->counts.refactorizations;
   return done && pivots_are_good(values) ? Factored::good : factor(values);
 }

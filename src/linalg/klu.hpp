@@ -37,6 +37,7 @@ class KluOrdering {
  private:
   friend class KluFactor;
   struct Handle;
+  class Elimination;
   SparsePattern pattern_;
   std::unique_ptr<Handle> handle_;
   mutable std::vector<double> work_;

@@ -1,9 +1,13 @@
 #pragma once
 /// Square sparse matrices: one pattern, any number of value arrays that go with it.
 
+#include <cstddef>
 #include <vector>
 
 namespace pwlsim::linalg {
+
+/// Of a vector: numbers of rows, columns and entries are those of KLU.
+[[nodiscard]] constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 /// Compressed columns: the entries of column j are row[start[j]] … row[start[j + 1] − 1], ascending.
 struct SparsePattern {

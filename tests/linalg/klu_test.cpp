@@ -6,6 +6,8 @@
 #include <memory>
 #include <utility>
 
+#include "linalg/sifted.hpp"
+
 using namespace pwlsim::linalg;
 
 namespace {
@@ -77,20 +79,21 @@ TEST_CASE("KLU solves second differences, several right-hand sides at once", "[u
 
 // [[d, 1], [1, 0]] x = (1, 1) has x = (1, 1 − d).
 TEST_CASE("kept pivots are given up when they have become bad", "[unit]") {
+  const double nothing = 1e-30;  // a zero is no entry
   const KluOrdering ordering(full(2));
   KluFactor factor(ordering);
-  REQUIRE(factor.refactor({5.0, 1.0, 1.0, 0.0}) == Factored::good);
+  REQUIRE(factor.refactor({5.0, 1.0, 1.0, nothing}) == Factored::good);
   CHECK(ordering.counts.factorizations == 1);
-  REQUIRE(factor.refactor({4.0, 1.0, 1.0, 0.0}) == Factored::good);
+  REQUIRE(factor.refactor({4.0, 1.0, 1.0, nothing}) == Factored::good);
   CHECK(ordering.counts.refactorizations == 1);
   CHECK(ordering.counts.factorizations == 1);
-  REQUIRE(factor.refactor({1e-14, 1.0, 1.0, 0.0}) == Factored::good);
+  REQUIRE(factor.refactor({1e-14, 1.0, 1.0, nothing}) == Factored::good);
   CHECK(ordering.counts.factorizations == 2);
   std::vector<double> b{1.0, 1.0};
   factor.solve(b.data());
   CHECK(b[0] == Approx(1.0).epsilon(rounding));
   CHECK(b[1] == Approx(1.0).epsilon(rounding));
-  REQUIRE(factor.refactor({0.0, 1.0, 1.0, 0.0}) == Factored::good);
+  REQUIRE(factor.refactor({0.0, 1.0, 1.0, nothing}) == Factored::good);
 }
 
 TEST_CASE("singular matrices are reported, by pattern and by value", "[unit]") {
@@ -133,9 +136,11 @@ TEST_CASE("pivots that are given: solutions, transposed ones, the norm of the in
     pivots->upper_start.push_back(static_cast<int>(pivots->upper_row.size()));
   }
   pivots->block = {0, n};
+  pivots->pattern = m.pattern;
+  for (int e = 0; e < static_cast<int>(m.pattern.entries()); ++e) pivots->entry.push_back(e);
   FixedPivotFactor factor;
   std::vector<double> work;
-  REQUIRE(factor.factor(m.pattern, m.values, pivots, work));
+  REQUIRE(factor.factor(m.values, pivots, work));
   CHECK(factor.entries() == 3 * static_cast<std::size_t>(n) - 2);
   CHECK(factor.inverse_norm(work) == Approx(0.125 * (n + 1) * (n + 1)).epsilon(rounding * n));
   std::vector<double> b(static_cast<std::size_t>(n), 1.0), c = b;
@@ -147,7 +152,7 @@ TEST_CASE("pivots that are given: solutions, transposed ones, the norm of the in
     CHECK(c[static_cast<std::size_t>(i)] == Approx(exact).epsilon(rounding * n));
   }
   std::vector<double> zero(m.values.size(), 0.0);
-  CHECK_FALSE(factor.factor(m.pattern, zero, pivots, work));
+  CHECK_FALSE(factor.factor(zero, pivots, work));
 }
 
 // [[2, 3, 0], [0, 4, 5], [0, 1, 1]] x = (8, 23, 5) has x = (1, 2, 3): a block of one and one of two.
@@ -174,4 +179,61 @@ TEST_CASE("the pivots of one factor serve another of the same pattern", "[unit]"
     CHECK(b[static_cast<std::size_t>(i)] == Approx(i + 1.0).epsilon(rounding));
     CHECK(c[static_cast<std::size_t>(i)] == Approx(i + 1.0).epsilon(rounding));
   }
+}
+
+namespace {
+
+/// The matrix of a full pattern, given by rows.
+std::vector<double> by_columns(const std::vector<std::vector<double>>& rows) {
+  std::vector<double> values;
+  for (std::size_t j = 0; j < rows.size(); ++j)
+    for (const auto& row : rows) values.push_back(row[j]);
+  return values;
+}
+
+}  // namespace
+
+// Row 2 holds x₂ alone, then row 0 x₀, row 1 x₃ and row 3 x₁.
+TEST_CASE("rows that zeros leave with a single entry come last", "[unit]") {
+  const SparsePattern pattern = full(4);
+  const BlockOrder order{{0, 1, 2, 3}, {0, 1, 2, 3}, {0, 4}};
+  Sifter sifter(pattern, order);
+  const std::vector<double> values = by_columns({{1.0, 0.0, 2.0, 0.0}, {3.0, 0.0, 1.0, 2.0}, {0.0, 0.0, 2.0, 0.0}, {1.0, 4.0, 0.0, 1.0}});
+  const Sifted sifted = sifter.sift(values);
+  CHECK(sifted.pattern.entries() == 9);
+  CHECK(sifted.left_out.size() == 7);
+  CHECK(sifted.order.block == std::vector<int>{0, 1, 2, 3, 4});
+  CHECK(sifted.order.row == std::vector<int>{3, 1, 0, 2});
+  CHECK(sifted.order.column == std::vector<int>{1, 3, 0, 2});
+  CHECK(sifted.single_rows == 4);
+  CHECK(sifted.entries_above == 5);
+
+  const KluOrdering ordering(pattern);
+  KluFactor factor(ordering);
+  REQUIRE(factor.factor(values) == Factored::good);
+  std::vector<double> b{5.0, 11.0, 4.0, 12.0};  // x = (1, 2, 2, 3)
+  factor.solve(b.data());
+  const std::vector<double> exact{1.0, 2.0, 2.0, 3.0};
+  for (std::size_t i = 0; i < 4; ++i) CHECK(b[i] == Approx(exact[i]).epsilon(rounding));
+}
+
+// (1, 2, 3) again, by a matrix of the same pattern in which what was zero is not.
+TEST_CASE("pivots of a matrix without its zeros are given up where these are no longer zero", "[unit]") {
+  const KluOrdering ordering(full(3));
+  KluFactor factor(ordering);
+  REQUIRE(factor.refactor(by_columns({{2.0, 0.0, 0.0}, {0.0, 4.0, 5.0}, {0.0, 1.0, 1.0}})) == Factored::good);
+  REQUIRE(factor.refactor(by_columns({{3.0, 0.0, 0.0}, {0.0, 2.0, 5.0}, {0.0, 1.0, 2.0}})) == Factored::good);
+  CHECK(ordering.counts.factorizations == 1);
+  REQUIRE(factor.refactor(by_columns({{2.0, 0.0, 1.0}, {0.0, 4.0, 5.0}, {0.0, 1.0, 1.0}})) == Factored::good);
+  CHECK(ordering.counts.factorizations == 2);
+  std::vector<double> b{5.0, 23.0, 5.0};
+  factor.solve(b.data());
+  for (std::size_t i = 0; i < 3; ++i) CHECK(b[i] == Approx(static_cast<double>(i) + 1.0).epsilon(rounding));
+}
+
+TEST_CASE("zeros that leave two rows the same single entry make a matrix singular", "[unit]") {
+  const KluOrdering ordering(full(3));
+  KluFactor factor(ordering);
+  CHECK(factor.factor(by_columns({{1.0, 0.0, 0.0}, {2.0, 0.0, 0.0}, {1.0, 1.0, 1.0}})) == Factored::singular);
+  CHECK(factor.singular_column() >= 0);
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <string_view>
 #include <utility>
 
 #include "base/arithmetic.hpp"
@@ -15,6 +17,8 @@ namespace {
 constexpr std::size_t most_bytes = 192u << 20;  ///< of all factors together
 constexpr std::size_t bytes_of_entry = 16;
 constexpr std::size_t fewest_factors = 3, most_factors = 256;
+constexpr std::size_t first_kept = 16, growth_of_kept = 2;  ///< factors; where one that was given up is wanted again, so many times more
+constexpr std::size_t most_given_up = 4096;                 ///< that are known
 /// A position so few ports away from one that is factored is reached by their columns, of which it may have so many times more; solved for so often, by a factor of its
 /// own. For signs alone ports and columns may be as many as take this multiple of the factor's entries.
 constexpr std::size_t most_closings = 4, columns_of_flip = 8, columns_of_factor = 2;
@@ -47,7 +51,8 @@ void Factor::solve(std::vector<double>& r) const {
 Factors::Factors(const model::Network& network, const Descriptor& descriptor, double reltol)
     : descriptor_(descriptor),
       ordering_(descriptor.pattern()),
-      epsilon_(std::clamp(tolerance::epsilon_share * reltol, tolerance::least_epsilon, tolerance::largest_epsilon)) {
+      epsilon_(std::clamp(tolerance::epsilon_share * reltol, tolerance::least_epsilon, tolerance::largest_epsilon)),
+      kept_(first_kept) {
   if (descriptor.passive()) parts_.emplace(network);
 }
 
@@ -59,13 +64,23 @@ Factors::Entry* Factors::find(double shift, const Position& on) {
   return nullptr;
 }
 
+std::size_t Factors::key(double shift, const Position& on) {
+  const std::hash<std::string_view> hash;
+  return hash({on.data(), on.size()}) ^ std::hash<double>{}(shift);
+}
+
+/// A run that goes through many positions once needs none of their factors again, and memory that is used again is in the cache.
+void Factors::keep_more_if_missed(double shift, const Position& on) {
+  if (given_up_.erase(key(shift, on)) > 0) kept_ = std::min(growth_of_kept * kept_, most_factors);
+}
+
 /// Once there is no room: the oldest of at least two with the same position, whose pivots are good, or the oldest of all.
 Factors::Entry& Factors::slot(const Position& on) {
   const bool known = !entries_.empty() && entries_.front().factor.klu_;
   const std::size_t each = known ? bytes_of_entry * entries_.front().factor.klu_->entries() +
                                        most_flips(entries_.front().factor) * sizeof(double) * static_cast<std::size_t>(descriptor_.size())
                                  : 0;
-  const std::size_t room = each == 0 ? fewest_factors : std::clamp(most_bytes / each, fewest_factors, most_factors);
+  const std::size_t room = each == 0 ? fewest_factors : std::clamp(most_bytes / each, fewest_factors, kept_);
   if (entries_.size() < room) return entries_.emplace_back(Entry{});
   Entry* oldest = &entries_.front();
   Entry* alike = nullptr;
@@ -76,7 +91,10 @@ Factors::Entry& Factors::slot(const Position& on) {
     ++count;
     if (!alike || entry.used < alike->used) alike = &entry;
   }
-  return count > 1 ? *alike : *oldest;
+  Entry& given_up = count > 1 ? *alike : *oldest;
+  if (given_up_.size() >= most_given_up) given_up_.clear();
+  given_up_.insert(key(given_up.shift, given_up.on));
+  return given_up;
 }
 
 linalg::Factored Factors::factor(Entry& entry, const Descriptor::Closing& closing, const linalg::KluFactor* pivots) {
@@ -274,7 +292,10 @@ const Factor* Factors::at(double shift, const Position& on, bool may_be_rough) {
   Entry* entry = find(shift, on);
   const bool worn = entry && !entry->factor.flips_.empty() && (entry->uses >= uses_of_update || (entry->factor.is_rough_ && !may_be_rough));
   if (!entry || worn) {
-    if (!entry) entry = &slot(on);
+    if (!entry) {
+      keep_more_if_missed(shift, on);
+      entry = &slot(on);
+    }
     const bool same_pivots = entry->used > 0 && !worn && entry->on == on && entry->factor.flips_.empty();
     entry->used = 0;
     entry->uses = 0;

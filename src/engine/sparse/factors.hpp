@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 #include <memory>
 #include <optional>
+#include <unordered_set>
 #include <vector>
 
 #include "engine/sparse/open_parts.hpp"
@@ -77,6 +78,10 @@ class Factors {
   /// Null where the matrix is singular. Valid until the next call. Shifts that agree to 1e-11 count as one.
   /// `may_be_rough`: six digits are enough.
   [[nodiscard]] const Factor* at(double shift, const Position& on, bool may_be_rough = false);
+  /// Whether ports that conduct in the second position may share currents that they do not in the first. Where the graph does not tell, they may.
+  [[nodiscard]] bool may_share(const Position& on, const Position& shared) const {
+    return !parts_ || !parts_->tells_all() || parts_->loops(shared) > parts_->loops(on);
+  }
   /// After a null: the unknown that the equations leave open, −1: not known.
   [[nodiscard]] int singular_unknown() const { return singular_unknown_; }
   [[nodiscard]] const linalg::KluOrdering::Counts& counts() const { return ordering_.counts; }
@@ -93,6 +98,8 @@ class Factors {
   };
   [[nodiscard]] Entry* find(double shift, const Position& on);
   [[nodiscard]] Entry& slot(const Position& on);
+  [[nodiscard]] static std::size_t key(double shift, const Position& on);
+  void keep_more_if_missed(double shift, const Position& on);
   [[nodiscard]] linalg::Factored factor(Entry& entry, const std::vector<int>& ties, bool same_pivots);
   [[nodiscard]] linalg::Factored factor(Entry& entry, const Descriptor::Closing& closing, const linalg::KluFactor* pivots);
   [[nodiscard]] const linalg::KluFactor* like(const Entry& entry) const;
@@ -111,6 +118,8 @@ class Factors {
   linalg::KluOrdering ordering_;
   double epsilon_;
   std::vector<Entry> entries_;
+  std::size_t kept_;                          ///< factors
+  std::unordered_set<std::size_t> given_up_;  ///< keys of factors that were given up for others
   std::vector<double> values_;
   std::uint64_t clock_ = 0;
   std::size_t last_ = 0;  ///< entry used last

@@ -23,7 +23,10 @@ class NodeSets {
 }  // namespace
 
 OpenParts::OpenParts(const model::Network& network) : nodes_(network.nodes.size()) {
-  for (const auto& r : network.resistors) solid_.push_back({r.p, r.n});
+  for (const auto& r : network.resistors) {
+    solid_.push_back({r.p, r.n});
+    if (r.resistance == 0.0) wires_.push_back({r.p, r.n});
+  }
   for (const auto& c : network.capacitors) solid_.push_back({c.p, c.n});
   for (const auto& l : network.inductors) solid_.push_back({l.p, l.n});
   for (const auto& b : network.branches) (model::is_independent(b.voltage) ? shorts_ : solid_).push_back({b.p, b.n});
@@ -51,6 +54,16 @@ std::vector<int> OpenParts::ties(const Position& on) const {
   for (const PortLink& port : ports_)
     if (on[static_cast<std::size_t>(port.index)] == 0 && parts.join(port.p, port.n)) result.push_back(port.index);
   return result;
+}
+
+int OpenParts::loops(const Position& on) const {
+  NodeSets sets(nodes_);
+  for (const auto* links : {&shorts_, &wires_})
+    for (const Link& link : *links) sets.join(link.p, link.n);
+  int count = 0;
+  for (const PortLink& port : ports_)
+    if (on[static_cast<std::size_t>(port.index)] != 0 && port.is_short && !sets.join(port.p, port.n)) ++count;
+  return count;
 }
 
 }  // namespace pwlsim::engine::sparse

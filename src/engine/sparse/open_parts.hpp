@@ -19,6 +19,8 @@ class OpenParts {
   [[nodiscard]] bool tells_all() const { return tells_all_; }
   /// Ports that would settle it: of the blocking ones a tree that ties the parts together, of the conducting ones those that close a loop.
   [[nodiscard]] std::vector<int> ties(const Position& on) const;
+  /// Loops without resistance that conducting ports close, wires and sources among them: ports can share a current in these only.
+  [[nodiscard]] int loops(const Position& on) const;
 
  private:
   struct Link {
@@ -28,6 +30,7 @@ class OpenParts {
   bool tells_all_ = true;
   std::vector<Link> solid_;   ///< resistors, stores: they tie potentials
   std::vector<Link> shorts_;  ///< voltage sources: they do, and close loops
+  std::vector<Link> wires_;   ///< solid ones that do, too
   struct PortLink : Link {
     int index;
     bool is_short;  ///< when it conducts

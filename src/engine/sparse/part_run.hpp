@@ -10,6 +10,7 @@
 /// rates and rows.
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <optional>
 #include <span>
@@ -266,13 +267,13 @@ class PartRun {
   bool stops_before_end_ = false;
   std::vector<Position> refused_jumps_;  ///< of steps of several lengths: positions whose jump asks for impulses backwards
   bool trusts_jumps_ = false;
-  bool may_jump_ = true;               ///< where a position is sought
-  Attempts rejecting_early_;           ///< of openings
-  Position position_ahead_;            ///< where the passage at hand leads
-  double segment_tau_ = 0.0;           ///< so far
-  std::unique_ptr<TieSelector> ties_;  ///< likewise
-  int last_guard_ = -1;                ///< that ended the segment before
-  int passing_ = -1;                   ///< the same, until the position behind it is found
+  bool may_jump_ = true;                     ///< where a position is sought
+  std::array<Attempts, 2> rejecting_early_;  ///< of openings, at other instants and where a guard passes
+  Position position_ahead_;                  ///< where the passage at hand leads
+  double segment_tau_ = 0.0;                 ///< so far
+  std::unique_ptr<TieSelector> ties_;        ///< likewise
+  int last_guard_ = -1;                      ///< that ended the segment before
+  int passing_ = -1;                         ///< the same, until the position behind it is found
   Point point_;
   Position position_before_;  ///< before the instant that is due
   std::unordered_set<std::string>

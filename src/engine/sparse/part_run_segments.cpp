@@ -65,13 +65,14 @@ ExactSegment::Opened PartRun::open_segment(const Position& on) {
 /// that have them are left at once, as long as that leads to one that holds.
 bool PartRun::follows_directly(const Position& candidate) {
   if (!passive_ || starting_) return false;
-  segment_->reject_early(rejecting_early_.is_due());
+  Attempts& rejecting_early = rejecting_early_[passing_ >= 0 ? 1 : 0];
+  segment_->reject_early(rejecting_early.is_due());
   const auto opened = open_segment(candidate);
   segment_->reject_early(false);
   const bool is_rejected = segment_->is_rejected();
   const bool is_found = opened == ExactSegment::Opened::yes && follows_by_signs(candidate);
   if (!is_rejected) return is_found;
-  return rejecting_early_.note(is_found) || (open_segment(candidate) == ExactSegment::Opened::yes && follows_by_signs(candidate));
+  return rejecting_early.note(is_found) || (open_segment(candidate) == ExactSegment::Opened::yes && follows_by_signs(candidate));
 }
 
 /// The same, where the candidate's segment is open.
@@ -168,7 +169,7 @@ bool PartRun::share_freely() {
   descriptor_.hold_blocked(shared);
   std::string flows(on.begin(), on.end());  // what others that carry nothing could share, they may carry the next time
   for (const int port : segment_->idle_ports()) flows[static_cast<std::size_t>(port)] = idle_mark;
-  if (shared == on || unshared_.contains(flows)) return true;
+  if (shared == on || !factors_.may_share(on, shared) || unshared_.contains(flows)) return true;
   std::vector<int> free = segment_->free_ports();
   bool fits = false;
   while (!fits && !free.empty()) {

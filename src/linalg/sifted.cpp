@@ -1,0 +1,165 @@
+#include "linalg/sifted.hpp"
+
+#include <cstddef>
+#include <numeric>
+
+namespace pwlsim::linalg {
+
+Sifter::Sifter(const SparsePattern& pattern, const BlockOrder& order) : pattern_(pattern), order_(order) {
+  const std::size_t n = index(pattern.size);
+  row_start_.assign(n + 1, 0);
+  for (const int row : pattern.row) ++row_start_[index(row) + 1];
+  for (std::size_t i = 0; i < n; ++i) row_start_[i + 1] += row_start_[i];
+  column_of_row_.resize(pattern.entries());
+  entry_of_row_.resize(pattern.entries());
+  std::vector<int> next(row_start_.begin(), row_start_.end() - 1);
+  for (int j = 0; j < pattern.size; ++j)
+    for (int e = pattern.start[index(j)]; e < pattern.start[index(j) + 1]; ++e) {
+      const int place = next[index(pattern.row[index(e)])]++;
+      column_of_row_[index(place)] = j;
+      entry_of_row_[index(place)] = e;
+    }
+  block_of_row_.resize(n);
+  row_of_column_in_order_.resize(n);
+  column_of_row_in_order_.resize(n);
+  block_of_row_in_order_.resize(n);
+  for (std::size_t b = 0; b + 1 < order.block.size(); ++b)
+    for (int k = order.block[b]; k < order.block[b + 1]; ++k) {
+      const int row = order.row[index(k)], column = order.column[index(k)];
+      row_of_column_in_order_[index(column)] = row;
+      column_of_row_in_order_[index(row)] = column;
+      block_of_row_in_order_[index(row)] = static_cast<int>(b);
+    }
+}
+
+void Sifter::drop_zeros(const std::vector<double>& values, Sifted& sifted) {
+  SparsePattern& kept = sifted.pattern;
+  kept.size = pattern_.size;
+  kept.start.resize(index(pattern_.size) + 1);
+  kept.row.resize(pattern_.entries());
+  sifted.entry.resize(pattern_.entries());
+  entries_left_.assign(index(pattern_.size), 0);
+  int* const row = kept.row.data();
+  int* const entry = sifted.entry.data();
+  int count = 0;
+  for (int j = 0; j < pattern_.size; ++j) {
+    for (int e = pattern_.start[index(j)]; e < pattern_.start[index(j) + 1]; ++e) {
+      if (values[index(e)] == 0.0) {
+        sifted.left_out.push_back(e);
+        continue;
+      }
+      row[count] = pattern_.row[index(e)];
+      ++entries_left_[index(row[count])];
+      entry[count++] = e;
+    }
+    kept.start[index(j) + 1] = count;
+  }
+  kept.row.resize(index(count));
+  sifted.entry.resize(index(count));
+}
+
+/// Rows with one entry left, each with its column.
+void Sifter::take_single_rows(const std::vector<double>& values) {
+  const std::size_t n = index(pattern_.size);
+  is_row_taken_.assign(n, 0);
+  is_column_taken_.assign(n, 0);
+  single_rows_.clear();
+  single_columns_.clear();
+  for (int i = 0; i < pattern_.size; ++i)
+    if (entries_left_[index(i)] == 1) single_rows_.push_back(i);
+  for (std::size_t k = 0; k < single_rows_.size(); ++k) {
+    const int row = single_rows_[k];
+    is_row_taken_[index(row)] = 1;
+    int column = -1;
+    for (int p = row_start_[index(row)]; p < row_start_[index(row) + 1]; ++p)
+      if (values[index(entry_of_row_[index(p)])] != 0.0 && is_column_taken_[index(column_of_row_[index(p)])] == 0)
+        column = column_of_row_[index(p)];
+    single_columns_.push_back(column);
+    if (column < 0) return;  // two rows with the same single entry
+    is_column_taken_[index(column)] = 1;
+    for (int e = pattern_.start[index(column)]; e < pattern_.start[index(column) + 1]; ++e) {
+      const int other = pattern_.row[index(e)];
+      if (values[index(e)] != 0.0 && --entries_left_[index(other)] == 1 && is_row_taken_[index(other)] == 0) single_rows_.push_back(other);
+    }
+  }
+}
+
+/// Single rows go with the only columns they can, and those that the order has in these places with each other.
+bool Sifter::match_single_rows() {
+  row_of_column_ = row_of_column_in_order_;
+  column_of_row_now_ = column_of_row_in_order_;
+  for (std::size_t k = 0; k < single_rows_.size(); ++k) {
+    const int row = single_rows_[k], column = single_columns_[k];
+    if (column < 0 || block_of_row_in_order_[index(row)] != block_of_row_in_order_[index(row_of_column_in_order_[index(column)])])
+      return false;
+    const int other_column = column_of_row_now_[index(row)], other_row = row_of_column_[index(column)];
+    row_of_column_[index(other_column)] = other_row;
+    column_of_row_now_[index(other_row)] = other_column;
+    row_of_column_[index(column)] = row;
+    column_of_row_now_[index(row)] = column;
+  }
+  return true;
+}
+
+/// What is not taken in the blocks of the pattern's order, then the single rows.
+void Sifter::order_rest(Sifted& sifted) const {
+  BlockOrder& order = sifted.order;
+  order.block.assign(1, 0);
+  order.row.reserve(index(pattern_.size));
+  order.column.reserve(index(pattern_.size));
+  for (std::size_t b = 0; b + 1 < order_.block.size(); ++b) {
+    for (int k = order_.block[b]; k < order_.block[b + 1]; ++k) {
+      const int column = order_.column[index(k)];
+      if (is_column_taken_[index(column)] != 0) continue;
+      order.column.push_back(column);
+      order.row.push_back(row_of_column_[index(column)]);
+    }
+    const int end = static_cast<int>(order.row.size());
+    if (end > order.block.back()) order.block.push_back(end);
+  }
+  sifted.single_rows = static_cast<int>(single_rows_.size());
+  for (std::size_t k = single_rows_.size(); k-- > 0;) {
+    order.row.push_back(single_rows_[k]);
+    order.column.push_back(single_columns_[k]);
+    order.block.push_back(static_cast<int>(order.row.size()));
+  }
+}
+
+void Sifter::count_entries(Sifted& sifted) {
+  const BlockOrder& order = sifted.order;
+  const int blocks = static_cast<int>(order.block.size()) - 1;
+  for (int b = 0; b < blocks; ++b)
+    for (int k = order.block[index(b)]; k < order.block[index(b) + 1]; ++k) block_of_row_[index(order.row[index(k)])] = b;
+  sifted.entries_of_block.assign(index(blocks), 1);
+  for (int b = 0; b < blocks - sifted.single_rows; ++b) {
+    int count = 0;
+    for (int k = order.block[index(b)]; k < order.block[index(b) + 1]; ++k) {
+      const std::size_t j = index(order.column[index(k)]);
+      for (int e = sifted.pattern.start[j]; e < sifted.pattern.start[j + 1]; ++e)
+        count += block_of_row_[index(sifted.pattern.row[index(e)])] == b ? 1 : 0;
+    }
+    sifted.entries_of_block[index(b)] = count;
+  }
+  sifted.entries_above =
+      static_cast<int>(sifted.pattern.entries()) - std::accumulate(sifted.entries_of_block.begin(), sifted.entries_of_block.end(), 0);
+}
+
+Sifted Sifter::whole() const {
+  Sifted sifted{pattern_, std::vector<int>(pattern_.entries()), {}, order_, 0, {}, 0};
+  std::iota(sifted.entry.begin(), sifted.entry.end(), 0);
+  return sifted;
+}
+
+Sifted Sifter::sift(const std::vector<double>& values) {
+  Sifted sifted;
+  drop_zeros(values, sifted);
+  take_single_rows(values);
+  if (match_single_rows())
+    order_rest(sifted);
+  else
+    sifted = whole();
+  count_entries(sifted);
+  return sifted;
+}
+
+}  // namespace pwlsim::linalg

@@ -1,0 +1,56 @@
+#pragma once
+/// A sparse matrix without its zeros, and what that leaves of its block triangular form.
+///
+/// A pattern that many matrices share holds entries that are zero in each of them: the row of a port has its voltage and its current, of which a position holds one at zero. A row
+/// with a single entry left is a block of its own: it comes last, and its column is out of the other rows. So are rows that then have a single entry.
+
+#include <vector>
+
+#include "linalg/sparse.hpp"
+
+namespace pwlsim::linalg {
+
+/// An order of rows and columns in which a matrix is upper triangular by blocks.
+struct BlockOrder {
+  std::vector<int> row, column;  ///< of the matrix, by place
+  std::vector<int> block;        ///< bounds of the diagonal blocks
+};
+
+struct Sifted {
+  SparsePattern pattern;
+  std::vector<int> entry;     ///< of the whole pattern, of each entry
+  std::vector<int> left_out;  ///< entries of the whole pattern that are zero
+  BlockOrder order;
+  int single_rows = 0;  ///< blocks at the end
+  std::vector<int> entries_of_block;
+  int entries_above = 0;  ///< outside the blocks
+};
+
+/// Takes matrices of one pattern apart, in the blocks of its own order.
+class Sifter {
+ public:
+  /// Both must outlive it.
+  Sifter(const SparsePattern& pattern, const BlockOrder& order);
+  /// All of the matrix where the blocks that are left are not square: it is singular then.
+  [[nodiscard]] Sifted sift(const std::vector<double>& values);
+
+ private:
+  [[nodiscard]] Sifted whole() const;
+  void drop_zeros(const std::vector<double>& values, Sifted& sifted);
+  void take_single_rows(const std::vector<double>& values);
+  [[nodiscard]] bool match_single_rows();
+  void order_rest(Sifted& sifted) const;
+  void count_entries(Sifted& sifted);
+
+  const SparsePattern& pattern_;
+  const BlockOrder& order_;
+  std::vector<int> row_start_, column_of_row_, entry_of_row_;  ///< the pattern by rows
+  std::vector<int> entries_left_;                              ///< of each row, in columns that are not taken
+  std::vector<char> is_row_taken_, is_column_taken_;
+  std::vector<int> single_rows_, single_columns_;  ///< in the order in which they were found
+  std::vector<int> row_of_column_in_order_, column_of_row_in_order_, block_of_row_in_order_;
+  std::vector<int> row_of_column_, column_of_row_now_;  ///< the same without the single rows
+  std::vector<int> block_of_row_;
+};
+
+}  // namespace pwlsim::linalg
