@@ -39,17 +39,19 @@ void Sifter::drop_zeros(const std::vector<double>& values, Sifted& sifted) {
   kept.row.resize(pattern_.entries());
   sifted.entry.resize(pattern_.entries());
   entries_left_.assign(index(pattern_.size), 0);
-  int* const row = kept.row.data();
-  int* const entry = sifted.entry.data();
+  int *const row = kept.row.data(), *const entry = sifted.entry.data(), *const left = entries_left_.data();
+  const int *const start = pattern_.start.data(), *const all_rows = pattern_.row.data();
+  const double* const value = values.data();
   int count = 0;
   for (int j = 0; j < pattern_.size; ++j) {
-    for (int e = pattern_.start[index(j)]; e < pattern_.start[index(j) + 1]; ++e) {
-      if (values[index(e)] == 0.0) {
+    for (int e = start[j]; e < start[j + 1]; ++e) {
+      if (value[e] == 0.0) {
         sifted.left_out.push_back(e);
         continue;
       }
-      row[count] = pattern_.row[index(e)];
-      ++entries_left_[index(row[count])];
+      const int i = all_rows[e];
+      ++left[i];
+      row[count] = i;
       entry[count++] = e;
     }
     kept.start[index(j) + 1] = count;
