@@ -27,10 +27,6 @@ double norm(const SparsePattern& pattern, const std::vector<double>& values) {
   return most;
 }
 
-}  // namespace
-
-namespace {
-
 struct Columns {
   void resize(std::size_t n, int entries) {
     start.resize(n + 1);
