@@ -167,9 +167,16 @@ double KrylovSpace::rounding_of_states(const std::vector<double>& z) {
   return tolerance::solution_rounding * rounding;
 }
 
+/// The matrix into `values_`, once for a space.
+void KrylovSpace::assemble() {
+  if (is_assembled_) return;
+  is_assembled_ = true;
+  descriptor_.matrix(shift_, descriptor_.closing(shift_, on_, 0.0), 1.0, values_);
+}
+
 /// product_ := what `given_` and a solution d differ by.
 void KrylovSpace::find_residual(const std::vector<double>& d) {
-  descriptor_.matrix(shift_, descriptor_.closing(shift_, on_, 0.0), 1.0, values_);
+  assemble();
   product_.resize(d.size());
   linalg::multiply(descriptor_.pattern(), values_, d.data(), product_.data());
   for (std::size_t i = 0; i < d.size(); ++i) product_[i] = given_[i] - product_[i];
@@ -196,7 +203,7 @@ void KrylovSpace::refine(std::vector<double>& d, double counts) {
   is_refined_ = !(tolerance::solution_rounding * charging * weight_of_currents_ > counts);
   if (is_refined_ || begins_roughly_) return;
   is_refined_ = true;
-  descriptor_.matrix(shift_, descriptor_.closing(shift_, on_, 0.0), 1.0, values_);
+  assemble();
   double before = INFINITY;
   for (int round = 0; round < most_refinements; ++round) {
     find_wide_residual(d);

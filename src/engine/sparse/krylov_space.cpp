@@ -58,6 +58,7 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   dimension_ = 0;
   full_ = false;
   sound_ = true;
+  is_assembled_ = false;
   h_matrix_.resize(1, 0);
   const Vector before = Eigen::Map<const Vector>(start.zeta.data(), static_cast<Eigen::Index>(start.zeta.size()));
   const Vector zeta = after_step(exosystem_, 1.0 / shift, before);

@@ -134,6 +134,7 @@ class KrylovSpace {
   template <class Value>
   [[nodiscard]] double norm_of_states(const Value& value) const;
   [[nodiscard]] double size_of_states(const std::vector<double>& z) const;
+  void assemble();
   void find_residual(const std::vector<double>& d);
   void find_wide_residual(const std::vector<double>& d);
   void refine(std::vector<double>& d, double counts);
@@ -158,6 +159,7 @@ class KrylovSpace {
   double least_ = 0.0, shift_ = 0.0, zeta_weight_ = 1.0, norm_ = 0.0, size_ = 0.0, h_ = 0.0, rounding_ = 0.0;
   Position on_;
   int dimension_ = 0;
+  bool is_assembled_ = false;  ///< the matrix is in `values_`
   bool full_ = false, sound_ = true, begins_roughly_ = false, is_refined_ = true, refines_ = false;
   linalg::Matrix vectors_, changes_;     ///< Z and T Z (unknowns × columns)
   linalg::Matrix zetas_, zeta_changes_;  ///< the same of ζ
