@@ -213,7 +213,7 @@ std::optional<Judged> judge(RandomMotion& motion, double tolerance) {
 
 constexpr double most_tolerances = 10.0;  ///< that an error may be, or estimates where the vectors reach no more: an estimate is no bound
 constexpr double rounding = 1e-12;        ///< of the largest √energy: a full space is estimated to have no error
-constexpr double largest_factor = 10.0, its_share = 0.01;  ///< so many errors may be more than that times what they are estimated at
+constexpr double largest_factor = 10.0, its_share = 0.005;  ///< so many errors may be more than that times what they are estimated at
 
 void check_estimates(std::uint64_t networks, double tolerance) {
   std::uint64_t judged = 0, far_below = 0;

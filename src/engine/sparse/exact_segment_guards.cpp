@@ -133,10 +133,14 @@ double ExactSegment::terms_of(int row) const {
   return on_[static_cast<std::size_t>(row)] != 0 ? input_terms_ : node_terms_;
 }
 
-/// What currents leave of that of a port that is on, where they cancel at its nodes. Where no port has more, all of them are rounding.
+/// What currents leave of that of an ideal port that is on, where they cancel at its nodes. Where no port has more, all of them are rounding. (One with a resistance takes no more
+/// than its voltage drives.)
 double ExactSegment::node_rounding(int row) const {
   if (row >= descriptor_.first_switch() || on_[static_cast<std::size_t>(row)] == 0) return 0.0;
-  return tolerance::sum_rounding * node_terms_ * descriptor_.conductance_at(static_cast<std::size_t>(row));
+  const DescriptorPort& port = descriptor_.ports()[static_cast<std::size_t>(row)];
+  const bool has_resistance =
+      std::any_of(port.slack.z.begin(), port.slack.z.end(), [&](const Form::IndexedTerm& part) { return part.index == port.row; });
+  return has_resistance ? 0.0 : tolerance::sum_rounding * node_terms_ * descriptor_.conductance_at(static_cast<std::size_t>(row));
 }
 
 /// Of a control: its levels, and the terms of its form.
