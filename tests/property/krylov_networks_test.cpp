@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "property/independent.hpp"
 #include "property/program_run.hpp"
@@ -16,7 +17,8 @@ namespace {
 
 constexpr double agreement = 1e-7;  ///< of the largest √energy
 constexpr int networks = 300;       ///< of a family
-constexpr int others = 1000;        ///< after the first thousand
+constexpr int networks_with_other_shifts = 100;
+constexpr int others = 1000;  ///< after the first thousand
 /// Of the largest voltage that sources can drive through all resistors, and of the largest current: states that are smaller all the time are their rounding, as the
 /// voltage of a capacitor in a loop that carries nothing, between nodes at 2 kV.
 constexpr double rounding_share = 1e-6;
@@ -48,12 +50,12 @@ struct Outcome {
   std::string what;
 };
 
-Outcome run_both(const RandomNetwork& network) {
+Outcome run_both(const RandomNetwork& network, double shift_factor = 1.0) {
   std::vector<double> times;
   for (int k = 1; k <= 20; ++k) times.push_back(network.stop * k / 20);
   const ProgramRun exact = run_program(to_model(network), times);
   if (exact.finding.kind != Finding::Kind::fine) return {};
-  const ProgramRun segments = run_program_segments(to_model(network), times);
+  const ProgramRun segments = run_program_segments(to_model(network), times, shift_factor);
   if (segments.finding.kind != Finding::Kind::fine) return {Kind::named, segments.finding.what + " " + segments.finding.detail};
   const Sizes sizes = sizes_of(network);
   const double apart =
@@ -62,13 +64,13 @@ Outcome run_both(const RandomNetwork& network) {
 }
 
 /// `allowed`: so many may end in an error.
-void check_networks(const std::string& name, int first, int count, int allowed) {
+void check_networks(const std::string& name, int first, int count, int allowed, double shift_factor = 1.0) {
   const Family& f = family(name);
   int named = 0, silent = 0;
   std::string failures;
   for (int i = 0; i < count; ++i) {
     const std::uint64_t seed = f.first_seed + static_cast<std::uint64_t>(first + i);
-    const Outcome outcome = run_both(make_random_network(seed, f.recipe));
+    const Outcome outcome = run_both(make_random_network(seed, f.recipe), shift_factor);
     if (outcome.kind == Kind::agrees) continue;
     ++(outcome.kind == Kind::named ? named : silent);
     failures += "\n  " + std::to_string(seed) + (outcome.kind == Kind::silent ? ", silent: " : ": ") + outcome.what;
@@ -83,10 +85,20 @@ void check_networks(const std::string& name, int first, int count, int allowed) 
 
 TEST_CASE("random networks by Krylov segments agree with the exact engine, or end in an error", "[property]") {
   // So many end in an error today (docs/developer/open-ends.md); no more may.
-  static const std::map<std::string, int> most_named{{"all parts", 0},   {"no sources", 0}, {"little resistance", 1},
-                                                     {"many diodes", 1}, {"floating", 1},   {"up to twelve ports", 2}};
+  static const std::map<std::string, int> most_named{{"all parts", 0},   {"no sources", 0}, {"little resistance", 0},
+                                                     {"many diodes", 0}, {"floating", 0},   {"up to twelve ports", 1}};
   const auto [name, allowed] = GENERATE(from_range(most_named));
   check_networks(name, 0, networks, allowed);
+}
+
+// Nothing but cost may depend on the shifts that segments take: half a rung up and down the ladder, of which each rung is four times the one before.
+TEST_CASE("random networks by Krylov segments agree with other shifts", "[property]") {
+  static const std::vector<std::string> names{"all parts",   "no sources", "little resistance",
+                                              "many diodes", "floating",   "up to twelve ports"};
+  const std::string name = GENERATE(from_range(names));
+  const double shift_factor = GENERATE(0.5, 2.0);
+  INFO("shifts times " << shift_factor);
+  check_networks(name, 0, networks_with_other_shifts, 0, shift_factor);
 }
 
 // Wrong by up to 6e-5 without an error, before the sign of a jump's impulses was looked at: a capacitor that a current discharges within nanoseconds does not jump, and
@@ -109,6 +121,15 @@ TEST_CASE("networks that were wrong by Krylov segments agree", "[property]") {
   CHECK(outcome.kind == Kind::agrees);
 }
 
+// A loop whose only switch opens carries nothing but what the currents at its nodes leave to rounding, and nothing else flows: with half the usual shifts the signs of that led 8e-6 off
+// without an error, with others to no position.
+TEST_CASE("a network in which nothing flows but rounding agrees by Krylov segments with any shifts", "[property]") {
+  const double shift_factor = GENERATE(0.5, 1.0, 2.0);
+  const Outcome outcome = run_both(make_random_network(20088, family("little resistance").recipe), shift_factor);
+  INFO("shifts times " << shift_factor << ": " << outcome.what);
+  CHECK(outcome.kind == Kind::agrees);
+}
+
 // What solutions lose where rows of far larger terms take part in the elimination is in their residual, and they are corrected by it.
 TEST_CASE("networks whose solutions by Krylov segments lose digits are corrected", "[property]") {
   const auto [seed, name] =
@@ -126,9 +147,8 @@ TEST_CASE("a network without a position by Krylov segments ends in an error", "[
 }
 
 TEST_CASE("1,000 other networks of each family by Krylov segments", "[property][long]") {
-  static const std::map<std::string, int> most_named{{"all parts", 3},   {"no sources", 4}, {"little resistance", 4},
-                                                     {"many diodes", 4}, {"floating", 6},   {"up to twelve ports", 11}};
-
+  static const std::map<std::string, int> most_named{{"all parts", 3},   {"no sources", 3}, {"little resistance", 2},
+                                                     {"many diodes", 3}, {"floating", 6},   {"up to twelve ports", 6}};
   const auto [name, allowed] = GENERATE(from_range(most_named));
   check_networks(name, others, others, allowed);
 }

@@ -83,12 +83,12 @@ ProgramRun run_program_sparse(const model::Network& network, const std::vector<d
   });
 }
 
-ProgramRun run_program_segments(const model::Network& network, const std::vector<double>& times) {
+ProgramRun run_program_segments(const model::Network& network, const std::vector<double>& times, double shift_factor) {
   Diagnostics diagnostics;
   const auto model = engine::sparse::prepare(network, diagnostics);
   if (!model) return {{Finding::Kind::refused, diagnostics.all().front().id, diagnostics.all().front().text}, {}, {}};
   return run_engine(times, false, [&](const engine::Request& request, engine::RowSink& rows) {
-    return engine::sparse::run_segments(*model, request, engine::sparse::segment_tolerance, rows);
+    return engine::sparse::run_segments(*model, request, engine::sparse::segment_tolerance, rows, shift_factor);
   });
 }
 

@@ -30,8 +30,8 @@ struct ProgramRun {
 /// The same on the sparse engine. `refused`: it says that it cannot do this (impulses of higher order).
 [[nodiscard]] ProgramRun run_program_sparse(const model::Network& network, const std::vector<double>& times, double reltol);
 
-/// The same by exact segments (`--engine krylov`).
-[[nodiscard]] ProgramRun run_program_segments(const model::Network& network, const std::vector<double>& times);
+/// The same by exact segments (`--engine krylov`); `shift_factor` as engine::sparse::run_segments.
+[[nodiscard]] ProgramRun run_program_segments(const model::Network& network, const std::vector<double>& times, double shift_factor = 1.0);
 
 /// Where states are smaller than this all the time nothing is there but rounding.
 struct LeastStates {

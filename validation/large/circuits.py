@@ -6,6 +6,9 @@
     circuits.py solar SIDE                   SIDE x SIDE cells in strings, a bypass diode each, a string diode each, a part in the shade
     circuits.py grid SIDE RECTIFIERS         SIDE x SIDE nodes of R and C to ground, fed at RECTIFIERS points by half-wave rectifiers
     circuits.py mesh SIDE                    SIDE x SIDE nodes joined by diodes, a capacitor at each
+    circuits.py ladder SECTIONS              SECTIONS of R and C, a rectified sine at the begin
+    circuits.py line SECTIONS                SECTIONS of L and C without loss, a step at the begin, a diode that clamps the end
+    circuits.py six_pulse BRIDGES            BRIDGES of six diodes in series on their dc side, each on its own phases with filters of the orders 5, 7 and 11
 
 The deck goes to standard output. `--dialect ngspice` gives diodes and switches that ngspice knows.
 """
@@ -130,9 +133,62 @@ def mesh(side):
     yield ".tran 10u 2m uic"
 
 
+def ladder(sections):
+    """1 us a section; the diffusion along all of it takes the square of that many."""
+    yield f"Ladder of {sections} sections of R and C behind a rectifier"
+    yield "V1 s 0 SIN(0 10 50k)"
+    yield "D1 s n0 DI"
+    yield "R0 n0 0 10k"
+    for k in range(1, sections + 1):
+        yield f"R{k} n{k - 1} n{k} 100"
+        yield f"C{k} n{k} 0 10n ic=0"
+    yield f".save v(n0) v(n1) v(n{max(1, sections // 10)})"
+    yield ".tran 1u 200u uic"
+
+
+def line(sections):
+    """A front along it rings in all of its modes; sqrt(LC) = 31.6 ns a section."""
+    yield f"Line of {sections} sections of L and C, clamped by a diode at its end"
+    yield "V1 x0 0 1"
+    for k in range(1, sections + 1):
+        yield f"L{k} x{k - 1} x{k} 1u ic=0"
+        yield f"C{k} x{k} 0 1n ic=0"
+    yield f"D1 x{sections} c DI"
+    yield "VC c 0 0.8"
+    yield f".save v(x1) v(x{max(1, sections // 2)}) v(x{sections}) i(L1)"
+    stop = 1.5 * sections * math.sqrt(1e-6 * 1e-9)
+    yield f".tran {stop / 200:.6e} {stop:.6e} uic"
+
+
+def six_pulse(bridges, frequency=50.0):
+    yield f"{bridges} six-pulse bridges in series, filters of the orders 5, 7 and 11 at each"
+    for b in range(bridges):
+        low, high = "0" if b == 0 else f"d{b - 1}", f"d{b}"
+        for p in range(3):
+            phase = -120.0 * p + 60.0 * b / bridges
+            yield f"V{b}_{p} s{b}_{p} m{b} SIN(0 325 {frequency} 0 0 {phase:.6f})"
+            yield f"R{b}_{p} s{b}_{p} t{b}_{p} 0.05"
+            yield f"L{b}_{p} t{b}_{p} a{b}_{p} 1m ic=0"
+            for order in (5, 7, 11):
+                farads = 1e-4 / order
+                own = f"{b}_{p}_{order}"
+                yield f"CF{own} a{b}_{p} f{own} {farads:.6e} ic=0"
+                yield f"RF{own} f{own} g{own} 0.1"
+                yield f"LF{own} g{own} w{b}_{order} {1.0 / (farads * (2 * math.pi * frequency * order) ** 2):.6e} ic=0"
+            yield f"DP{b}_{p} a{b}_{p} {high} DI"
+            yield f"DN{b}_{p} {low} a{b}_{p} DI"
+        yield f"RM{b} m{b} {low} 1meg"
+    yield f"LD d{bridges - 1} o 2m ic=0"
+    yield f"CD o 0 {1e-3 / bridges:.6e} ic={450 * bridges}"
+    yield f"RD o 0 {20 * bridges}"
+    yield ".save v(o) i(LD) i(L0_0)"
+    yield f".tran {0.04 / 500:.6e} 0.04 uic"
+
+
 def deck(name, sizes, dialect="ideal", ron=1e-3):
     """The deck as text."""
-    kinds = {"cockcroft_walton": cockcroft_walton, "multilevel": multilevel, "solar": solar, "grid": grid, "mesh": mesh}
+    kinds = {"cockcroft_walton": cockcroft_walton, "multilevel": multilevel, "solar": solar, "grid": grid, "mesh": mesh, "ladder": ladder,
+             "line": line, "six_pulse": six_pulse}
     lines = list(kinds[name](*sizes))
     models = IDEAL if dialect == "ideal" else NGSPICE
     if dialect == "ngspice":  # its idealised diode is a code model
@@ -145,7 +201,7 @@ def deck(name, sizes, dialect="ideal", ron=1e-3):
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("name", choices=["cockcroft_walton", "multilevel", "solar", "grid", "mesh"])
+    parser.add_argument("name", choices=["cockcroft_walton", "multilevel", "solar", "grid", "mesh", "ladder", "line", "six_pulse"])
     parser.add_argument("sizes", type=int, nargs="+")
     parser.add_argument("--dialect", choices=["ideal", "ngspice"], default="ideal")
     options = parser.parse_args()

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Error against time of the engines and of ngspice on large circuits, as docs/validation/large.md. Needs numpy; ngspice for its column.
 
-    precision.py --pwlsim build/pwlsim      the part of docs/validation/large.md above its gates
+    precision.py --pwlsim build/pwlsim                 the part of docs/validation/large.md above its gates
+    precision.py --pwlsim build/pwlsim --only "line 60"  one circuit alone, or those whose names hold that
 
 Errors are those of all saved signals, relative to each one's largest value, against the exact engine with dense modes where it takes less than --limit seconds, else against the sparse
 engine at --reltol 1e-8, whose own error (from its change between 1e-7 and 1e-8) is said beside the circuit. Times are the least of several of the simulation alone.
@@ -18,8 +19,9 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import circuits  # noqa: E402
 import measure  # noqa: E402
 
-CIRCUITS = [("cockcroft_walton", (n,)) for n in (10, 20, 50, 100, 300, 1000)] + [("multilevel", (n,)) for n in (10, 40, 100)] + [
-    ("grid", (10, 6)), ("grid", (20, 12)), ("grid", (40, 24))]
+CIRCUITS = [("cockcroft_walton", (n,)) for n in (10, 20, 50, 100, 300, 1000, 2000)] + [("multilevel", (n,)) for n in (10, 40, 100, 400)] + [
+    ("grid", (10, 6)), ("grid", (20, 12)), ("grid", (40, 24)), ("grid", (100, 100))] + [("solar", (n,)) for n in (10, 30)] + [
+    ("ladder", (n,)) for n in (50, 400)] + [("line", (n,)) for n in (60, 600)] + [("six_pulse", (n,)) for n in (1, 6)]
 RELTOL = ("1e-3", "1e-4", "1e-6")
 NGSPICE = ((1e-3, 1e-3), (1e-3, 1e-4))  # Ron and reltol
 

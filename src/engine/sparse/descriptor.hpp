@@ -8,8 +8,8 @@
 /// Coupled inductors have their own coordinates (windings.hpp) instead of currents: these are not coupled, and a perfect coupling is a ratio of voltages.
 ///
 /// Nodes that capacitors join to one another and not to ground form a floating set. In short steps C/h is so large that the leaks of such a set are lost in
-/// the rounding of its equations, which are then dependent. So the row of the set's first node holds Kirchhoff's current law of the whole set instead of
-/// its own: the capacitors cancel in it by construction, and only the leaks remain.
+/// the rounding of its equations, which are then dependent. So one row of the set holds Kirchhoff's current law of the whole set instead of that of a node: the capacitors
+/// cancel in it by construction, and only the leaks remain. So do sets that far smaller capacitors join to others and to ground (floating_sets.hpp).
 ///
 /// Every port p has an input u = z[row] and a slack s = row·z + …:  0 ≤ u ⊥ s ≥ 0, for a diode i and drop + R i − v. Its closing row is
 ///    on:  s = 0      off:  u = 0

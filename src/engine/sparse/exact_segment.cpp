@@ -28,7 +28,7 @@ constexpr double first_share = 1.0 / 64.0;  ///< of the run: a first segment
 constexpr double longer_than_last = 1.3;    ///< a segment is made for this much more than the last in its position
 constexpr double longer_than_end = 2.0;     ///< or that, where nothing ended it
 constexpr int most_no_better = 3;           ///< looks at an error that do not lessen it: it is rounding
-constexpr int most_cuts = 12, most_doublings = 3;
+constexpr int most_cuts = 12, most_extensions = 6, most_doublings = 3;
 constexpr double first_look = 2.0, next_look = 4.0;  ///< how far events are looked for, of the expected length, and then of that
 constexpr double shorter = 32.0;                     ///< a segment that cannot be made is tried again at so small a part
 constexpr double most_rise = 1e6;            ///< of them at the start of a segment: beyond, and beyond what the run has had, are impulses
@@ -104,7 +104,8 @@ double ExactSegment::usual_length(const Position& on, double longest) const {
 /// 1/γ of a rung, or one that the position has a factor for.
 double ExactSegment::shift_for(double length) {
   Habit& habit = habits_[key_];
-  const double wanted = std::max((has_all_decays_ ? steps_for_decays : steps_of_length) / length, habit.turning / usual_turn);
+  const double wanted =
+      shift_factor_ * std::max((has_all_decays_ ? steps_for_decays : steps_of_length) / length, habit.turning / usual_turn);
   auto& shifts = habit.shifts;
   double best = 0.0;
   for (const double shift : shifts)
@@ -112,7 +113,7 @@ double ExactSegment::shift_for(double length) {
         (best == 0.0 || std::abs(std::log(shift / wanted)) < std::abs(std::log(best / wanted))))
       best = shift;
   if (best > 0.0) return best;
-  shifts.push_back(std::pow(ladder, std::round(std::log(wanted) / std::log(ladder))));
+  shifts.push_back(shift_factor_ * std::pow(ladder, std::round(std::log(wanted / shift_factor_) / std::log(ladder))));
   return shifts.back();
 }
 
@@ -260,19 +261,27 @@ bool ExactSegment::is_wrong_by_signs(Factors& factors, double shift, const Origi
   return has_wrong_signs();
 }
 
+/// At lengths that become shorter. Where the usual one is no more than what an event left, so that the vectors of shorter ones are rounding, longer ones serve.
 ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start) {
-  double length = std::max(usual_length(start.on, start.longest), least_share * usual_length(start.on, stop_));
+  const double length = std::max(usual_length(start.on, start.longest), least_share * usual_length(start.on, stop_));
   expected_ = std::min(length, start.longest);
   space_.refine_all(refines_ || habits_[key_].refines);
-  for (int cut = 0; cut < most_cuts && length > tolerance::shortest_segment * stop_; ++cut) {
+  const Opened opened = build(factors, start, length, 1.0 / shorter, most_cuts);
+  if (opened != Opened::unresolved || !(shorter * length <= start.longest)) return opened;
+  return build(factors, start, shorter * length, shorter, most_extensions);
+}
+
+/// `factor`: of a length that fails, the next.
+ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start, double length, double factor, int attempts) {
+  for (int tried = 0; tried < attempts && length > tolerance::shortest_segment * stop_ && !(length > stop_); ++tried) {
     const double shift = shift_for(length);
     bool is_begun = false;
     is_rejected_ = rejects_early_ && is_wrong_by_signs(factors, shift, start, is_begun);
     if (is_rejected_) return Opened::yes;
     if (!is_begun) {
-      const Factor* factor = factors.at(shift, start.on);
-      if (!factor) return Opened::singular;
-      if (space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes)
+      const Factor* factor_at = factors.at(shift, start.on);
+      if (!factor_at) return Opened::singular;
+      if (space_.begin(*factor_at, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes)
         return Opened::contradicted;
     }
     if (!std::isfinite(space_.start_size())) return Opened::unresolved;
@@ -288,7 +297,7 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start) 
       stretch(start.longest);
       return Opened::yes;
     }
-    if (shift_for(length) == shift) length /= shorter;  // else it has learnt of decays of all rates
+    if (shift_for(length) == shift) length *= factor;  // else it has learnt of decays of all rates
   }
   return Opened::unresolved;
 }

@@ -126,6 +126,9 @@ class ExactSegment {
   /// Whether the last one was.
   [[nodiscard]] bool is_rejected() const { return is_rejected_; }
 
+  /// From now on the ladder of 1/γ is so many times as high. Results must not depend on it.
+  void scale_shifts(double factor) { shift_factor_ = factor; }
+
   /// From now on all segments are as exact, however much of the run they are.
   void keep_tolerance() { keeps_tolerance_ = true; }
 
@@ -148,6 +151,7 @@ class ExactSegment {
   [[nodiscard]] static std::string key(const Position& on) { return {on.begin(), on.end()}; }
   [[nodiscard]] double shift_for(double length);
   [[nodiscard]] Opened build(Factors& factors, const Origin& start);
+  [[nodiscard]] Opened build(Factors& factors, const Origin& start, double length, double factor, int attempts);
   [[nodiscard]] bool resolve();
   [[nodiscard]] int first_dimension() const;
   [[nodiscard]] int expected_vectors() const;
@@ -167,6 +171,7 @@ class ExactSegment {
   void bound_guards();
   void note_rounding();
   [[nodiscard]] double terms_of(int row) const;
+  [[nodiscard]] double node_rounding(int row) const;
   [[nodiscard]] double rounding_size(const WatchedControl& control) const;
   void judge_start();
   [[nodiscard]] double rounding_of(int row) const;
@@ -174,7 +179,7 @@ class ExactSegment {
   const Descriptor& descriptor_;
   const Sources& sources_;
   const std::vector<WatchedControl>& controls_;
-  double tolerance_, stop_, least_voltage_ = 0.0, jump_voltage_ = 0.0, relaxation_ = 1.0, share_ = 1.0;
+  double tolerance_, stop_, least_voltage_ = 0.0, jump_voltage_ = 0.0, relaxation_ = 1.0, share_ = 1.0, shift_factor_ = 1.0;
   KrylovSpace space_;
   double start_ = 0.0, length_ = 0.0, peak_ = 0.0, worst_ = 0.0, estimate_ = 0.0, expected_ = 0.0, size_ = 0.0;
   double voltage_ = 0.0, current_ = 0.0;            ///< largest voltage, and other unknown, of the point it starts from, volts
@@ -198,6 +203,7 @@ class ExactSegment {
   std::vector<int> negative_, rising_, free_, idle_;
   std::vector<std::vector<int>> beside_;  ///< of each port those in parallel
   std::vector<double> zeta_, y_, work_;
+  bool nothing_flows_ = false;  ///< through ports, but for rounding
   double node_terms_ = 0.0, input_terms_ = 0.0;  ///< of the largest voltage, and of the largest input
   linalg::Matrix signal_rows_;
   std::vector<double> signal_constants_;

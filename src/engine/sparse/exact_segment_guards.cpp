@@ -58,12 +58,16 @@ void ExactSegment::drop_empty_guards() {
   for (const int row : segment_.rows)
     if (on_[static_cast<std::size_t>(row)] != 0) input = std::max(input, reach(row));
   const double voltage = std::max(voltage_, least_voltage_);
+  const auto is_on = [&](int row) { return on_[static_cast<std::size_t>(row)] != 0; };
+  nothing_flows_ =
+      std::none_of(segment_.rows.begin(), segment_.rows.end(), [&](int row) { return is_on(row) && reach(row) > node_rounding(row); });
   free_.clear();
   idle_.clear();
   std::erase_if(segment_.rows, [&](int row) {
     const bool is_short = is_short_circuited(row);
     const double size = on_[static_cast<std::size_t>(row)] != 0 ? input : voltage;
-    const bool is_empty = is_short || reach(row) <= std::min(tolerance::empty_row * terms_of(row), tolerance::largest_empty_row * size);
+    const bool is_empty = is_short || reach(row) <= std::min(std::max(tolerance::empty_row * terms_of(row), node_rounding(row)),
+                                                             tolerance::largest_empty_row * size);
     if (is_empty && on_[static_cast<std::size_t>(row)] != 0) idle_.push_back(row);
     if (is_empty && on_[static_cast<std::size_t>(row)] == 0 && (is_short || node_terms_ > least_voltage_)) free_.push_back(row);
     return is_empty;
@@ -127,6 +131,16 @@ double ExactSegment::terms_of(int row) const {
   const int ports = descriptor_.first_switch();
   if (row >= ports) return space_.row_terms(controls_[static_cast<std::size_t>(row - ports)].value);
   return on_[static_cast<std::size_t>(row)] != 0 ? input_terms_ : node_terms_;
+}
+
+/// What currents leave of that of an ideal port that is on, where they cancel at its nodes. Where no port has more, all of them are rounding. (One with a resistance takes no more
+/// than its voltage drives.)
+double ExactSegment::node_rounding(int row) const {
+  if (row >= descriptor_.first_switch() || on_[static_cast<std::size_t>(row)] == 0) return 0.0;
+  const DescriptorPort& port = descriptor_.ports()[static_cast<std::size_t>(row)];
+  const bool has_resistance =
+      std::any_of(port.slack.z.begin(), port.slack.z.end(), [&](const Form::IndexedTerm& part) { return part.index == port.row; });
+  return has_resistance ? 0.0 : tolerance::sum_rounding * node_terms_ * descriptor_.conductance_at(static_cast<std::size_t>(row));
 }
 
 /// Of a control: its levels, and the terms of its form.

@@ -1,46 +1,114 @@
 #include "engine/sparse/floating_sets.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "base/disjoint_sets.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {
 
 using model::ground;
 using model::NodeIndex;
 
-FloatingSets::FloatingSets(const model::Network& network) {
-  const auto nodes = static_cast<int>(network.nodes.size());
-  static_assert(ground == -1);  // the least of all, so that its set is named by it
-  DisjointSets sets(nodes + 1);
-  for (const auto& c : network.capacitors) sets.join(c.p + 1, c.n + 1);
-  for (int node = 0; node < nodes; ++node) set_.push_back(sets.find(node + 1) - 1);
-  std::vector<NodeIndex> row_of(set_.size(), ground);
-  for (const auto& branch : network.branches)
-    for (const NodeIndex node : {branch.p, branch.n}) {
-      const int set = node == ground ? ground : set_[static_cast<std::size_t>(node)];
-      if (set != ground && row_of[static_cast<std::size_t>(set)] == ground) row_of[static_cast<std::size_t>(set)] = node;
+namespace {
+
+/// Joins nodes by ever smaller capacitors.
+class SetBuilder {
+ public:
+  explicit SetBuilder(const model::Network& network)
+      : sets_(static_cast<int>(network.nodes.size()) + 1),
+        groups_(network.nodes.size() + 1),
+        beyond_(network.nodes.size(), ground),
+        at_source_(network.nodes.size(), 0) {
+    static_assert(ground == -1);  // the least of all, so that its set is named by it
+    for (const auto& branch : network.branches)
+      for (const NodeIndex node : {branch.p, branch.n})
+        if (node != ground) at_source_[static_cast<std::size_t>(node)] = 1;
+    for (NodeIndex node = 0; node < static_cast<NodeIndex>(network.nodes.size()); ++node) group(node).rows = {node};
+    std::vector<std::size_t> order(network.capacitors.size());
+    std::iota(order.begin(), order.end(), 0U);
+    const auto size = [&](std::size_t i) { return std::abs(network.capacitors[i].capacitance); };
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size(a) > size(b); });
+    for (const std::size_t i : order) join(network.capacitors[i].p, network.capacitors[i].n, size(i));
+    for (NodeIndex node = 0; node < static_cast<NodeIndex>(network.nodes.size()); ++node)
+      if (sets_.find(node + 1) == node + 1) close(group(node));
+  }
+  [[nodiscard]] std::vector<int> take() { return std::move(beyond_); }
+
+ private:
+  /// What is joined so far, with rows of its own; `first` those two that the largest capacitor between them joins.
+  struct Group {
+    std::vector<int> rows;
+    std::pair<int, int> first{ground, ground};
+    double largest = 0.0;
+  };
+  [[nodiscard]] Group& group(NodeIndex node) { return groups_[static_cast<std::size_t>(sets_.find(node + 1))]; }
+
+  void join(NodeIndex p, NodeIndex n, double capacitance) {
+    if (sets_.find(p + 1) == sets_.find(n + 1)) return;
+    for (const NodeIndex node : {p, n})
+      if (capacitance < tolerance::small_capacitor * group(node).largest) close(group(node));
+    const std::pair<int, int> rows{outermost(p), outermost(n)};
+    Group a = std::move(group(p)), b = std::move(group(n));
+    sets_.join(p + 1, n + 1);
+    Group& both = group(p);
+    if (a.largest < b.largest) std::swap(a, b);
+    both = std::move(a);
+    both.rows.insert(both.rows.end(), b.rows.begin(), b.rows.end());
+    if (both.largest > 0.0) return;
+    both.largest = capacitance;
+    both.first = rows;
+  }
+
+  /// The row of the largest set around a node so far.
+  [[nodiscard]] int outermost(int row) const {
+    while (row != ground && beyond_[static_cast<std::size_t>(row)] != ground) row = beyond_[static_cast<std::size_t>(row)];
+    return row;
+  }
+
+  /// From now on one row stands for all of it. Ground has none, and the others keep theirs.
+  void close(Group& closed) {
+    const bool is_grounded = &closed == &groups_.front();
+    if (!is_grounded && closed.rows.size() > 1) {
+      const auto source =
+          std::find_if(closed.rows.begin(), closed.rows.end(), [&](int row) { return at_source_[static_cast<std::size_t>(row)] != 0; });
+      const int whole = source != closed.rows.end() ? *source : std::min(closed.first.first, closed.first.second);
+      for (const int row : closed.rows)
+        if (row != whole) beyond_[static_cast<std::size_t>(row)] = whole;
+      closed.rows = {whole};
     }
-  for (int& set : set_)
-    if (set != ground && row_of[static_cast<std::size_t>(set)] != ground) set = row_of[static_cast<std::size_t>(set)];
-}
+    closed.largest = 0.0;
+  }
+
+  DisjointSets sets_;  ///< of nodes + 1
+  std::vector<Group> groups_;
+  std::vector<int> beyond_;
+  std::vector<char> at_source_;  ///< row -> whether its set has a node at a voltage source
+};
+
+}  // namespace
+
+FloatingSets::FloatingSets(const model::Network& network) : beyond_(SetBuilder(network).take()) {}
 
 std::vector<FloatingSets::Cut> FloatingSets::cuts(NodeIndex p, NodeIndex n) const {
   std::vector<Cut> result;
-  const auto set = [&](NodeIndex node) { return node == ground ? ground : set_[static_cast<std::size_t>(node)]; };
-  const int set_p = set(p), set_n = set(n);
-  if (p != ground && p != set_p) result.push_back({p, 1.0});
-  if (n != ground && n != set_n) result.push_back({n, -1.0});
-  if (set_p == set_n) return result;
-  if (set_p != ground) result.push_back({set_p, 1.0});
-  if (set_n != ground) result.push_back({set_n, -1.0});
+  const auto holds = [&](NodeIndex node, int row) {
+    while (node != ground && node != row) node = beyond(node);
+    return node == row;
+  };
+  for (int row = p; row != ground; row = beyond(row))
+    if (!holds(n, row)) result.push_back({row, 1.0});
+  for (int row = n; row != ground; row = beyond(row))
+    if (!holds(p, row)) result.push_back({row, -1.0});
   return result;
 }
 
 double FloatingSets::weight(const std::vector<double>& a, std::size_t i) const {
-  const int set = i < set_.size() ? set_[i] : ground;
-  const bool is_of_node = set != ground && set != static_cast<int>(i);
-  return is_of_node ? a[i] - a[static_cast<std::size_t>(set)] : a[i];
+  const int set = i < beyond_.size() ? beyond_[i] : ground;
+  return set != ground ? a[i] - a[static_cast<std::size_t>(set)] : a[i];
 }
 
 double FloatingSets::product(const std::vector<double>& a, const std::vector<double>& y) const {

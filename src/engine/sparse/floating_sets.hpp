@@ -1,8 +1,10 @@
 #pragma once
-/// Sets of nodes that only capacitors join, with nothing of them at ground: their leaks drown beside C/h in each node's own equation. The row of one node of such
-/// a set holds Kirchhoff's current law of the whole set instead, in which the capacitors between its nodes do not count.
+/// Sets of nodes that capacitors join, with little or nothing of them to what is outside: what leaves such a set drowns beside C/h in each node's own equation, in the
+/// rounding of charges. One row of the set holds Kirchhoff's current law of the whole set instead, in which the capacitors between its nodes do not count. Sets are nested: the
+/// larger capacitors join a set, far smaller ones join such sets.
 ///
-/// That row has an entry for all that leaves the set, and must not become a pivot early. It is that of a node at a voltage source, if there is one: the source's
+/// The law that is left out, of one node or one set within, follows from the others, so that their rounding ends there: it is that of the largest capacitor.
+/// The row has an entry for all that leaves the set, and must not become a pivot early. So it is that of a node at a voltage source, if there is one: the source's
 /// current is in no other row of the set, so that the row is eliminated with it (a block of its own where the source's other end is ground).
 
 #include <cstddef>
@@ -30,8 +32,10 @@ class FloatingSets {
  private:
   /// What y_i counts with.
   [[nodiscard]] double weight(const std::vector<double>& a, std::size_t i) const;
+  [[nodiscard]] int beyond(int row) const { return row < 0 ? row : beyond_[static_cast<std::size_t>(row)]; }
 
-  std::vector<int> set_;  ///< node -> the node whose row holds the law of its set, ground: none
+  /// Row -> the row of the next larger set around its node or set; ground: none. A node is in the sets of its own row, of the next, and so on.
+  std::vector<int> beyond_;
 };
 
 }  // namespace pwlsim::engine::sparse

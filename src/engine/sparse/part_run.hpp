@@ -66,6 +66,10 @@ class PartRun {
     if (segment_) segment_->keep_tolerance();
     stops_before_end_ = stops_before_end;
   }
+  /// As ExactSegment::scale_shifts.
+  void scale_shifts(double factor) {
+    if (segment_) segment_->scale_shifts(factor);
+  }
   /// Begins at t = 0. False: failed.
   bool begin(const PartStart& start);
   /// Rows before this time are available.

@@ -26,21 +26,29 @@ std::size_t hash_of(const Position& on) { return std::hash<std::string_view>()({
 }  // namespace
 
 void PortSolver::note_scale(const std::vector<double>& z, const std::vector<double>& w) {
-  present_input_ = 0.0;
+  present_input_ = present_slack_ = 0.0;
   for (const DescriptorPort& p : descriptor_.ports()) {
     const double input = std::abs(z[static_cast<std::size_t>(p.row)]);
     present_input_ = std::max(present_input_, input);
     scale_.input = std::max(scale_.input, input);
-    scale_.slack = std::max(scale_.slack, std::abs(p.slack.value(z.data(), w.data())));
+    present_slack_ = std::max(present_slack_, std::abs(p.slack.value(z.data(), w.data())));
   }
+  scale_.slack = std::max(scale_.slack, present_slack_);
 }
 
 PortSolver::PortSolver(const Descriptor& descriptor, Factors& factors, double voltage)
-    : descriptor_(descriptor), factors_(factors), passive_(descriptor.passive()), voltage_(voltage), scale_{0.0, voltage} {}
+    : descriptor_(descriptor),
+      factors_(factors),
+      passive_(descriptor.passive()),
+      voltage_(voltage),
+      scale_{0.0, voltage},
+      held_voltage_(voltage) {}
 
 PortSolver::~PortSolver() = default;
 
-double PortSolver::input_size(double most) const { return std::max({most, present_input_, tolerance::cross_scale * scale_.slack}); }
+double PortSolver::input_size(double most) const {
+  return std::max({most, present_input_, tolerance::cross_scale * std::max(held_voltage_, present_slack_)});
+}
 
 /// In a network of two-terminal parts no current that a voltage at the port drives is larger than the one at the port itself, so that reciprocity makes this
 /// a bound for voltages anywhere. Where nothing can flow, all others being blocked, what resistors bring to the port's nodes still cancels to rounding only: that

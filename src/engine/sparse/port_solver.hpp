@@ -44,7 +44,10 @@ class PortSolver {
   void note_scale(const std::vector<double>& z, const std::vector<double>& w);
   /// Rounding of inputs is from now on that of the terms of all rows: a voltage that does not reach a port makes no current there, as large as it may be.
   void judge_by_rows() { by_rows_ = true; }
-  void note_voltage(double voltage) { scale_.slack = std::max(scale_.slack, voltage); }
+  void note_voltage(double voltage) {
+    scale_.slack = std::max(scale_.slack, voltage);
+    held_voltage_ = std::max(held_voltage_, voltage);
+  }
   [[nodiscard]] const PortScale& scale() const { return scale_; }
   /// What the sign of an input counts against: the largest of the last accepted step, and `most`, of a step beyond it. Not that of the run: what a
   /// surge leaves behind flows for long.
@@ -87,7 +90,8 @@ class PortSolver {
   bool passive_;
   double voltage_;  ///< of the sources
   PortScale scale_;
-  double present_input_ = 0.0;  ///< largest of the last accepted step
+  double held_voltage_ = 0.0;                         ///< of sources and initial values
+  double present_input_ = 0.0, present_slack_ = 0.0;  ///< largest of the last accepted step
   std::vector<int> disputed_;
   std::vector<double> right_, refined_, residual_, sizes_, values_, probe_, row_sizes_;
   std::unique_ptr<InteriorPoint> interior_;  ///< once it is needed

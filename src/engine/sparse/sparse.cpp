@@ -74,11 +74,13 @@ std::shared_ptr<const SparseModel> prepare(const model::Network& network, Diagno
 
 namespace {
 
-Answer run_by(PartRun::Method method, const SparseModel& model, const Request& request, double reltol, RowSink& sink) {
+Answer run_by(PartRun::Method method, const SparseModel& model, const Request& request, double reltol, double shift_factor, RowSink& sink) {
   const auto began = std::chrono::steady_clock::now();
   const Starts starts = starts_of(model, request.use_initial_conditions);
   Answer answer = run_from_start(request, began, starts, [&](const Starts& from) {
-    return SparseRun(model.parts, model.signals, request, reltol, method, sink).run(from.parts);
+    SparseRun run(model.parts, model.signals, request, reltol, method, sink);
+    run.scale_shifts(shift_factor);
+    return run.run(from.parts);
   });
   answer.remarks.insert(answer.remarks.begin(), model.remarks.begin(), model.remarks.end());
   return answer;
@@ -87,11 +89,11 @@ Answer run_by(PartRun::Method method, const SparseModel& model, const Request& r
 }  // namespace
 
 Answer run(const SparseModel& model, const Request& request, double reltol, RowSink& sink) {
-  return run_by(PartRun::Method::steps, model, request, reltol, sink);
+  return run_by(PartRun::Method::steps, model, request, reltol, 1.0, sink);
 }
 
-Answer run_segments(const SparseModel& model, const Request& request, double reltol, RowSink& sink) {
-  return run_by(PartRun::Method::segments, model, request, reltol, sink);
+Answer run_segments(const SparseModel& model, const Request& request, double reltol, RowSink& sink, double shift_factor) {
+  return run_by(PartRun::Method::segments, model, request, reltol, shift_factor, sink);
 }
 
 OperatingPoint operating_point(const SparseModel& model) {

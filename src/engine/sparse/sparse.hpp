@@ -27,8 +27,10 @@ class SparseModel;
 /// maximum.
 [[nodiscard]] Answer run(const SparseModel& model, const Request& request, double reltol, RowSink& sink);
 
-/// The same by exact segments between located events (exact_segment.hpp). `reltol`: of a segment's estimated error.
-[[nodiscard]] Answer run_segments(const SparseModel& model, const Request& request, double reltol, RowSink& sink);
+/// The same by exact segments between located events (exact_segment.hpp). `reltol`: of a segment's estimated error. `shift_factor`: every shift 1/γ that segments take is
+/// so many times what it would be; nothing but cost may depend on it.
+[[nodiscard]] Answer run_segments(const SparseModel& model, const Request& request, double reltol, RowSink& sink,
+                                  double shift_factor = 1.0);
 
 /// The DC operating point.
 [[nodiscard]] OperatingPoint operating_point(const SparseModel& model);

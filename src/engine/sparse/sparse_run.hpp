@@ -19,6 +19,10 @@ class SparseRun : private RowSource {
   /// Before `run`, of segments: it stops before what happens at its end, and each part records its segments, where `records` is not null. It fails where a part tries more
   /// positions than that; 0: any number.
   void begin_lap(std::vector<std::vector<SegmentRecord>>* records, std::uint64_t most_openings);
+  /// Before `run`, of segments: as ExactSegment::scale_shifts.
+  void scale_shifts(double factor) {
+    for (const auto& track : tracks_) track->run.scale_shifts(factor);
+  }
   /// The most positions that a part has tried.
   [[nodiscard]] std::uint64_t openings() const;
   /// One start per part.

@@ -165,6 +165,9 @@ inline constexpr double tie_share = 1e-3;
 /// Of: the largest voltage in a loop of capacitors.
 /// Why: 450 units of rounding: initial values that differ by more contradict each other.
 inline constexpr double capacitor_loop = 1e-13;
+/// Of: the largest capacitance that joins a set of nodes.
+/// Why: the rounding of a larger one's charge takes three digits of a smaller one's: they are in rows of their own.
+inline constexpr double small_capacitor = 1e-3;
 /// Of: one, as a coupling coefficient.
 /// Why: a larger |k| counts as 1: the currents of the two inductors are not independent states.
 inline constexpr double perfect_coupling = 1.0 - 1e-9;
