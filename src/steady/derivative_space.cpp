@@ -9,7 +9,7 @@
 namespace pwlsim::steady {
 namespace {
 
-constexpr Eigen::Index block = 16;  ///< columns at once
+constexpr Eigen::Index columns_at_once = 16;  ///< columns at once
 
 /// Of least norm where the matrix is singular.
 linalg::Vector least_squares(const linalg::Matrix& m, const linalg::Vector& right) {
@@ -30,9 +30,9 @@ DerivativeSpace::DerivativeSpace(const Operator& phi, const Vector& start) : phi
   norm_ = x.norm();
   full_ = !(norm_ > 0.0);
   if (full_) return;
-  vectors_.resize(start.size(), block);
-  mapped_.resize(start.size(), block);
-  measured_.resize(x.size(), block);
+  vectors_.resize(start.size(), columns_at_once);
+  mapped_.resize(start.size(), columns_at_once);
+  measured_.resize(x.size(), columns_at_once);
   vectors_.col(0) = start / norm_;
   measured_.col(0) = x / norm_;
   h_ = Matrix::Zero(1, 0);
