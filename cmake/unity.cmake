@@ -3,6 +3,15 @@
 option(PWLSIM_UNITY "Compile the files of a room in groups" OFF)
 set(PWLSIM_FILES_TOGETHER 36)
 
+# g++ then collects garbage less often: an eighth to a fifth of a unit's time for up to 2 GB of memory instead of 1.6, where there is enough for each processor.
+cmake_host_system_information(RESULT PWLSIM_MEMORY QUERY TOTAL_PHYSICAL_MEMORY)  # MiB
+cmake_host_system_information(RESULT PWLSIM_PROCESSORS QUERY NUMBER_OF_LOGICAL_CORES)
+math(EXPR PWLSIM_MEMORY_EACH "${PWLSIM_MEMORY} / ${PWLSIM_PROCESSORS}")
+set(PWLSIM_GARBAGE "")
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND PWLSIM_MEMORY_EACH GREATER 3500)
+  set(PWLSIM_GARBAGE --param=ggc-min-heapsize=1048576)  # KiB
+endif()
+
 # What is private to a file is then so to its group, so its name belongs to one file of the room. Compiled alone: the vocabularies of two grammars, and
 # instantiations without link-time optimisation.
 set(PWLSIM_FILES_APART linalg/factorisations netlist/card_grammar netlist/token_grammar)
@@ -18,7 +27,7 @@ function(pwlsim_compile_together room)
   math(EXPR size "(${count} + ${groups} - 1) / ${groups} + 3")
   set_target_properties(pwlsim_${room} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${size})
   # Types of unnamed namespaces in a file that another includes.
-  target_compile_options(pwlsim_${room} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  target_compile_options(pwlsim_${room} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage> ${PWLSIM_GARBAGE})
   list(TRANSFORM PWLSIM_FILES_APART PREPEND ${PROJECT_SOURCE_DIR}/src/ OUTPUT_VARIABLE apart)
   list(TRANSFORM apart APPEND .cpp)
   set_source_files_properties(${apart} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)

@@ -10,7 +10,7 @@ namespace pwlsim::analysis {
 namespace {
 
 constexpr std::size_t most_curves = 6;
-constexpr double turn = 360.0;
+constexpr double full_turn = 360.0;
 
 /// `value_at(k)`: at frequency number k.
 template <class Values>
@@ -21,7 +21,7 @@ void add_curves(const std::string& name, const std::vector<double>& frequencies,
     const std::complex<double> value = value_at(k);
     if (!(frequencies[k] > 0.0) || !(std::abs(value) > 0.0)) continue;  // nothing that a logarithm shows
     double degrees = std::arg(value) * 180.0 / std::numbers::pi;
-    if (!phase.y.empty()) degrees += turn * std::nearbyint((last - degrees) / turn);
+    if (!phase.y.empty()) degrees += full_turn * std::nearbyint((last - degrees) / full_turn);
     last = degrees;
     for (waveform::Curve* curve : {&magnitude, &phase}) curve->x.push_back(std::log10(frequencies[k]));
     magnitude.y.push_back(20.0 * std::log10(std::abs(value)));

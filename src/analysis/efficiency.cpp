@@ -14,7 +14,7 @@ namespace pwlsim::analysis {
 namespace {
 
 using circuit::Measurement;
-using StepKind = circuit::MeasuredExpression::Step::Kind;
+using circuit::StepKind;
 
 bool is_named_efficiency(const std::string& name) {
   const std::string plain = without_case(name);

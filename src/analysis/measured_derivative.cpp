@@ -159,7 +159,7 @@ MeasuredFunctional MeasuredFunctionals::of_place(std::size_t number) {
 MeasuredFunctional MeasuredFunctionals::crossing_moves(const circuit::Crossing& crossing, double time) {
   circuit::MeasuredExpression difference = crossing.left;
   difference.steps.insert(difference.steps.end(), crossing.right.steps.begin(), crossing.right.steps.end());
-  difference.steps.push_back({.kind = circuit::MeasuredExpression::Step::Kind::operation, .operation = "-"});
+  difference.steps.push_back({.kind = circuit::StepKind::operation, .operation = "-"});
   const auto instant = instant_at(time);
   // Left of the begin of a period lies its end.
   const double before = instant && sensitivity_.is_settled() && time <= same_place * run_.stop ? run_.stop : time;

@@ -26,7 +26,7 @@ std::vector<double> gradient_by_signals(const ExpressionGradient& gradient, cons
 }
 
 bool reads_time(const circuit::MeasuredExpression& expression) {
-  using StepKind = circuit::MeasuredExpression::Step::Kind;
+  using circuit::StepKind;
   return std::any_of(expression.steps.begin(), expression.steps.end(), [](const auto& step) { return step.kind == StepKind::time; });
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view name_begin = "ltspice.", with_delay = "td", no_outputs = "none";
 
-constexpr LogicType types[] = {
+constexpr LogicType logic_types[] = {
     {"buf", Logic::buffer, "12345", 1, 1},      {"inv", Logic::inverter, "12345", 1, 1},  {"and", Logic::conjunction, "12345"},
     {"or", Logic::disjunction, "12345"},        {"xor", Logic::exactly_one, "12345"},     {"schmitt", Logic::schmitt, "12"},
     {"diffschmitt", Logic::schmitt, "12"},      {"srflop", Logic::set_reset, "12"},       {"dflop", Logic::d_flip_flop, "1345"},
@@ -259,8 +259,9 @@ class Writer {
 }  // namespace
 
 const LogicType* find_logic_type(std::string_view name) {
-  const auto* found = std::find_if(std::begin(types), std::end(types), [&](const LogicType& type) { return same_name(type.name, name); });
-  return found == std::end(types) ? nullptr : found;
+  const auto* found =
+      std::find_if(std::begin(logic_types), std::end(logic_types), [&](const LogicType& type) { return same_name(type.name, name); });
+  return found == std::end(logic_types) ? nullptr : found;
 }
 
 std::string LogicDevice::name() const {

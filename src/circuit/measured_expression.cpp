@@ -15,7 +15,6 @@ namespace {
 
 using Kind = netlist::Expression::Kind;
 using Step = MeasuredExpression::Step;
-using StepKind = MeasuredExpression::Step::Kind;
 
 Step number_step(double value) { return {.kind = StepKind::number, .number = value}; }
 Step operation_step(std::string text) { return {.kind = StepKind::operation, .operation = std::move(text)}; }

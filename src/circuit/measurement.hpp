@@ -11,21 +11,23 @@
 
 namespace pwlsim::circuit {
 
+/// What a step of a measured expression puts in place of its operands.
+enum class StepKind {
+  number,     ///< `number`
+  signal,     ///< `index`: of FlatCircuit::probes
+  result,     ///< `index`: of Measurements::list
+  time,       ///< s
+  negate,     ///< one operand
+  invert,     ///< logical not; one operand
+  operation,  ///< two operands; `operation` as the deck writes it
+  function,   ///< `index` operands; `function`
+  choose      ///< condition, value where it is not 0, and else
+};
+
 /// An expression of signals, time and results of measurements, in postfix order.
 struct MeasuredExpression {
   struct Step {
-    enum class Kind {
-      number,     ///< `number`
-      signal,     ///< `index`: of FlatCircuit::probes
-      result,     ///< `index`: of Measurements::list
-      time,       ///< s
-      negate,     ///< one operand
-      invert,     ///< logical not; one operand
-      operation,  ///< two operands; `operation` as the deck writes it
-      function,   ///< `index` operands; `function`
-      choose      ///< condition, value where it is not 0, and else
-    };
-    Kind kind = Kind::number;
+    StepKind kind = StepKind::number;
     double number = 0.0;
     int index = 0;
     std::string operation{};

@@ -51,13 +51,11 @@ constexpr KindName kind_names[] = {
 
 bool is_keyword(const Item& item) { return item.kind == ItemKind::word && netlist::is_measurement_keyword(item.text); }
 
-bool reads(const MeasuredExpression& expression, MeasuredExpression::Step::Kind kind) {
+bool reads(const MeasuredExpression& expression, StepKind kind) {
   return std::any_of(expression.steps.begin(), expression.steps.end(), [&](const auto& step) { return step.kind == kind; });
 }
 
-bool is_of_motion(const MeasuredExpression& expression) {
-  return reads(expression, MeasuredExpression::Step::Kind::signal) || reads(expression, MeasuredExpression::Step::Kind::time);
-}
+bool is_of_motion(const MeasuredExpression& expression) { return reads(expression, StepKind::signal) || reads(expression, StepKind::time); }
 
 /// The place of a measurement's name on its card.
 std::size_t name_place(const Card& card) {
@@ -157,7 +155,6 @@ class CardReader {
 
   /// time=2m within the run: it passes there once, also at the run's end, beyond which a crossing would have to lead.
   bool is_instant(const Crossing& crossing) const {
-    using StepKind = MeasuredExpression::Step::Kind;
     const auto is_only = [](const MeasuredExpression& x, StepKind kind) { return x.steps.size() == 1 && x.steps[0].kind == kind; };
     if (!is_only(crossing.left, StepKind::time) || !is_only(crossing.right, StepKind::number)) return false;
     if (crossing.delay || crossing.edge == Edge::fall || crossing.count != 1 || !transient_) return false;
@@ -268,7 +265,7 @@ class CardReader {
     measurement.kind = MeasurementKind::parameter;
     measurement.expression = result(*to);
     measurement.expression.steps.push_back(result(*from).steps.front());
-    measurement.expression.steps.push_back({.kind = MeasuredExpression::Step::Kind::operation, .operation = "-"});
+    measurement.expression.steps.push_back({.kind = StepKind::operation, .operation = "-"});
     return true;
   }
 
@@ -294,7 +291,7 @@ class CardReader {
 
   static MeasuredExpression result(int index) {
     MeasuredExpression expression;
-    expression.steps.push_back({.kind = MeasuredExpression::Step::Kind::result, .index = index});
+    expression.steps.push_back({.kind = StepKind::result, .index = index});
     return expression;
   }
 
@@ -390,8 +387,8 @@ class MeasurementReader {
     measurement.span = name.span;
     measurement.shown = false;
     measurement.when.emplace();
-    measurement.when->left.steps.push_back({.kind = MeasuredExpression::Step::Kind::number, .number = 0.0});
-    measurement.when->right.steps.push_back({.kind = MeasuredExpression::Step::Kind::number, .number = 1.0});
+    measurement.when->left.steps.push_back({.kind = StepKind::number, .number = 0.0});
+    measurement.when->right.steps.push_back({.kind = StepKind::number, .number = 1.0});
     return measurement;
   }
 
@@ -477,7 +474,7 @@ std::vector<int> results_read(const Measurement& measurement) {
   std::vector<int> numbers;
   const auto note = [&](const MeasuredExpression& expression) {
     for (const auto& step : expression.steps)
-      if (step.kind == MeasuredExpression::Step::Kind::result) numbers.push_back(step.index);
+      if (step.kind == StepKind::result) numbers.push_back(step.index);
   };
   note(measurement.expression);
   for (const auto* part : {&measurement.from, &measurement.to, &measurement.at})

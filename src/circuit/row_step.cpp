@@ -43,7 +43,7 @@ namespace {
 
 MeasuredExpression constant(double value, std::vector<double> gradient) {
   MeasuredExpression expression;
-  expression.steps.push_back({.kind = MeasuredExpression::Step::Kind::number, .number = value, .gradient = std::move(gradient)});
+  expression.steps.push_back({.kind = StepKind::number, .number = value, .gradient = std::move(gradient)});
   return expression;
 }
 

@@ -29,10 +29,10 @@ constexpr Packaged packaged_types[] = {{"OPAMP", "universalopamp2"}, {"COMPARATO
 struct SinglePart {
   std::string_view type, ports, card, words;
 };
-constexpr SinglePart parts[] = {{"D", "a k", "D1 a k", "anode cathode"},
-                                {"VDMOS", "d g s", "M1 d g s", "drain gate source"},
-                                {"NPN", "c b e", "Q1 c b e", "collector base emitter"},
-                                {"PNP", "c b e", "Q1 c b e", "collector base emitter"}};
+constexpr SinglePart single_parts[] = {{"D", "a k", "D1 a k", "anode cathode"},
+                                       {"VDMOS", "d g s", "M1 d g s", "drain gate source"},
+                                       {"NPN", "c b e", "Q1 c b e", "collector base emitter"},
+                                       {"PNP", "c b e", "Q1 c b e", "collector base emitter"}};
 
 template <class Row>
 const Row* find_type(std::span<const Row> rows, const std::optional<Device>& device) {
@@ -82,7 +82,7 @@ std::string packaged(std::string_view name) {
 /// A subcircuit that holds one diode or transistor; "" for other names.
 std::string single_part(std::string_view name) {
   const std::optional<Device> device = find_device(name);
-  const SinglePart* part = find_type<SinglePart>(parts, device);
+  const SinglePart* part = find_type<SinglePart>(single_parts, device);
   if (part == nullptr) return "";
   return fmt::format(".subckt {} {}\n{} part\n.model part {}({})\n.ends\n", name, part->ports, part->card, part->type, device->parameters);
 }
@@ -136,7 +136,7 @@ void tell_amplifier(const netlist::Item& name, Reporter& reporter) {
   const std::string_view written =
       name.text.ends_with(shared_end) ? std::string_view(name.text).substr(0, name.text.size() - shared_end.size()) : name.text;
   const std::optional<Device> device = find_device(written);
-  const SinglePart* part = find_type<SinglePart>(parts, device);
+  const SinglePart* part = find_type<SinglePart>(single_parts, device);
   if (part == nullptr && find_type<Packaged>(packaged_types, device) == nullptr) return;
   reporter.note("N-model-at-hand", name.span,
                 fmt::format("{} is not defined, and is taken from the models at hand: {} ({}){}; try a .subckt for other numbers", written,

@@ -6,7 +6,7 @@
 
 namespace pwlsim::measure {
 
-using StepKind = circuit::MeasuredExpression::Step::Kind;
+using circuit::StepKind;
 
 ExpressionGradient::ExpressionGradient(const circuit::MeasuredExpression& expression) : steps_(expression.steps) {
   for (const Step& step : steps_)

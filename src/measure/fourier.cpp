@@ -21,7 +21,7 @@ constexpr double parseval_rounding = 4e-15;
 
 circuit::MeasuredExpression signal_expression(int probe) {
   circuit::MeasuredExpression expression;
-  expression.steps.push_back({.kind = circuit::MeasuredExpression::Step::Kind::signal, .index = probe});
+  expression.steps.push_back({.kind = circuit::StepKind::signal, .index = probe});
   return expression;
 }
 

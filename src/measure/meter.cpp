@@ -27,7 +27,7 @@ std::string too_fast(double from, double to) { return fmt::format("the expressio
 circuit::MeasuredExpression difference_of(const circuit::Crossing& crossing) {
   circuit::MeasuredExpression difference = crossing.left;
   difference.steps.insert(difference.steps.end(), crossing.right.steps.begin(), crossing.right.steps.end());
-  difference.steps.push_back({.kind = circuit::MeasuredExpression::Step::Kind::operation, .operation = "-"});
+  difference.steps.push_back({.kind = circuit::StepKind::operation, .operation = "-"});
   return difference;
 }
 

@@ -6,7 +6,7 @@
 namespace pwlsim::measure {
 namespace {
 
-using StepKind = circuit::MeasuredExpression::Step::Kind;
+using circuit::StepKind;
 
 bool keeps_polynomials(const circuit::MeasuredExpression::Step& step) {
   switch (step.kind) {

@@ -55,25 +55,25 @@ class Reader {
 
   bool take(const Step& step, std::vector<Unit>& stack) {
     switch (step.kind) {
-      case Step::Kind::number:
+      case circuit::StepKind::number:
         stack.push_back(plain);
         return true;
-      case Step::Kind::time:
+      case circuit::StepKind::time:
         stack.push_back({0, 0, 1});
         return true;
-      case Step::Kind::signal:
+      case circuit::StepKind::signal:
         stack.push_back(of_signal(step));
         return true;
-      case Step::Kind::result: {
+      case circuit::StepKind::result: {
         const std::optional<Unit> unit = of(static_cast<std::size_t>(step.index));
         stack.push_back(unit.value_or(Unit{}));
         return unit.has_value();
       }
-      case Step::Kind::negate:
+      case circuit::StepKind::negate:
         return true;
-      case Step::Kind::operation:
+      case circuit::StepKind::operation:
         return operate(step.operation, stack);
-      case Step::Kind::function:
+      case circuit::StepKind::function:
         return apply(step, stack);
       default:
         return false;

@@ -4,19 +4,17 @@
 #include <cmath>
 
 #include "linalg/factorisations.hpp"
+#include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
 namespace {
 
-constexpr double nothing = 1e-13;   ///< of Φ v: what is left of it outside of the space is rounding
-constexpr Eigen::Index block = 16;  ///< columns at once
-
-constexpr double singular_share = 1e-10;  ///< of the largest: a smaller singular value is zero
+constexpr Eigen::Index columns_at_once = 16;  ///< columns at once
 
 /// Of least norm where the matrix is singular.
 linalg::Vector least_squares(const linalg::Matrix& m, const linalg::Vector& right) {
   Eigen::CompleteOrthogonalDecomposition<linalg::Matrix> decomposition;
-  decomposition.setThreshold(singular_share);
+  decomposition.setThreshold(tolerance::zero_singular_value);
   decomposition.compute(m);
   return decomposition.solve(right);
 }
@@ -32,9 +30,9 @@ DerivativeSpace::DerivativeSpace(const Operator& phi, const Vector& start) : phi
   norm_ = x.norm();
   full_ = !(norm_ > 0.0);
   if (full_) return;
-  vectors_.resize(start.size(), block);
-  mapped_.resize(start.size(), block);
-  measured_.resize(x.size(), block);
+  vectors_.resize(start.size(), columns_at_once);
+  mapped_.resize(start.size(), columns_at_once);
+  measured_.resize(x.size(), columns_at_once);
   vectors_.col(0) = start / norm_;
   measured_.col(0) = x / norm_;
   h_ = Matrix::Zero(1, 0);
@@ -51,7 +49,7 @@ bool DerivativeSpace::grow() {
   const double h = linalg::append_to_hessenberg(measured_.leftCols(j + 1), x, h_);
   const Vector c = h_.col(j).head(j + 1);
   dimension_ = j + 1;
-  full_ = !(h > nothing * std::max(size, 1.0)) || dimension_ >= x.size();
+  full_ = !(h > tolerance::invariant_space * std::max(size, 1.0)) || dimension_ >= x.size();
   if (full_) return true;
   vectors_.col(j + 1) = (image - vectors_.leftCols(j + 1) * c) / h;
   measured_.col(j + 1) = x / h;

@@ -23,11 +23,11 @@ using model::LinearForm;
 struct Pair {
   int input = 0, signal = -1;
   std::string store{};
-  std::optional<Drive::Held> held{};
+  std::optional<Drive::HeldVoltage> held{};
 };
 
 /// The voltage of a node that a branch of sources alone ties to ground; empty where it is none, or where a name stands for several sources.
-std::optional<Drive::Held> held_by_sources(const model::Network& network, const model::Term& read) {
+std::optional<Drive::HeldVoltage> held_by_sources(const model::Network& network, const model::Term& read) {
   if (read.kind != Kind::node_voltage && read.kind != Kind::source) return std::nullopt;
   const auto name_of = [&](int source) { return network.sources[static_cast<std::size_t>(source)].label.name; };
   const auto is_alone = [&](const model::Term& term) {
@@ -36,7 +36,7 @@ std::optional<Drive::Held> held_by_sources(const model::Network& network, const 
   };
   if (read.kind == Kind::source) {
     if (!is_alone(read)) return std::nullopt;
-    return Drive::Held{{{name_of(read.index), read.coefficient}}, 0.0};
+    return Drive::HeldVoltage{{{name_of(read.index), read.coefficient}}, 0.0};
   }
   for (const model::Branch& branch : network.branches) {
     const bool is_upright = branch.p == read.index && branch.n == model::ground;
@@ -44,7 +44,7 @@ std::optional<Drive::Held> held_by_sources(const model::Network& network, const 
     const auto is_source = [](const model::Term& term) { return term.kind == Kind::one || term.kind == Kind::source; };
     if (!std::all_of(branch.voltage.begin(), branch.voltage.end(), is_source)) continue;
     if (!std::all_of(branch.voltage.begin(), branch.voltage.end(), is_alone)) return std::nullopt;
-    Drive::Held held;
+    Drive::HeldVoltage held;
     for (const model::Term& term : branch.voltage) {
       const double coefficient = (is_upright ? read.coefficient : -read.coefficient) * term.coefficient;
       if (term.kind == Kind::one)

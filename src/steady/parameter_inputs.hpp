@@ -24,11 +24,11 @@ struct Drive {
   double weight = 0.0;
   std::string store{};  ///< "v(C1)", in place of a signal
   /// In place of both: a voltage that sources hold, in any part of the circuit.
-  struct Held {
+  struct HeldVoltage {
     std::vector<std::pair<std::string, double>> sources;  ///< name and coefficient
     double constant = 0.0;
   };
-  std::optional<Held> held{};
+  std::optional<HeldVoltage> held{};
 };
 
 /// w of `input` += derivative of a function of time, whose numbers change by `derivative`.

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "steady/derivative_space.hpp"
+#include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
 namespace {
@@ -18,36 +19,25 @@ namespace {
 using engine::sparse::PeriodMap;
 using State = PeriodMap::State;
 
-constexpr double enough = 1e-5;            ///< residual of a linear system, of its right-hand side: Newton's method corrects the rest
-constexpr double enough_far_away = 1e-2;   ///< the same, of implicit steps and of a test
-constexpr int most_vectors = 300;          ///< of a space
-constexpr int few_vectors = 4;             ///< between two looks at a residual
-constexpr double rounding_of_lap = 1e-15;  ///< of the largest state, times the root of the number of segments: a residual so small is none
-constexpr double close_to_orbit = 1e-9;    ///< of the largest state: from here on a residual that no step lessens is rounding
-constexpr double gain_of_step = 0.5;       ///< of a residual
-constexpr double natural = 0.75;           ///< of a step: what the next one may be
-constexpr double pays = 0.5;               ///< the same, of a step that is taken for progress
+constexpr int most_vectors = 300;     ///< of a space
+constexpr int few_vectors = 4;        ///< between two looks at a residual
+constexpr double gain_of_step = 0.5;  ///< of a residual
+constexpr double natural = 0.75;      ///< of a step: what the next one may be
+constexpr double pays = 0.5;          ///< the same, of a step that is taken for progress
 constexpr int steps_that_need_not_pay = 3, implicit_steps = 6, phases_between_runs = 4;
 constexpr double first_periods = 4.0, fewer = 0.25, more = 2.0,
                  many_more = 8.0;                             ///< of an implicit step, and what becomes of them from one to the next
 constexpr double solved = 0.1;                                ///< of the residual at its begin: what is left of an implicit step's equation
 constexpr int most_inner = 8;                                 ///< steps of Newton's method in it
 constexpr double damping = 0.25, least_damping = 1.0 / 64.0;  ///< of those that do not lessen it
-constexpr double at_one = 1e-9;                               ///< of an eigenvalue: it is 1
-constexpr double outside = 1e-9;                              ///< of the largest state: a residual that no step takes away
-constexpr double exact_orbit = 1e-12;                         ///< of the largest state: a smaller residual leaves nothing to look at
 /// Of the residual of the best state: where one after the other of many stages begins to conduct, the residual rises and falls on the way to the orbit.
 constexpr double far_worse = 8.0;
 constexpr int drifts_followed = 5;
-constexpr int most_returns = 8;            ///< to the best state, from runs that fail
-constexpr int leading = 6;                 ///< multipliers sought
-constexpr double known_multiplier = 1e-9;  ///< its residual
-constexpr int looks_apart = 10;            ///< vectors between two looks at eigenvalues
+constexpr int most_returns = 8;  ///< to the best state, from runs that fail
+constexpr int leading = 6;       ///< multipliers sought
+constexpr int looks_apart = 10;  ///< vectors between two looks at eigenvalues
 constexpr int most_for_multipliers = 160;
-constexpr double beside_orbit = 1e-6;        ///< of the largest state: how far beside the orbit a run checks its derivative
-constexpr double follows_derivative = 1e-3;  ///< of that deviation
-constexpr double same_point = 1e-8;          ///< of the largest state
-constexpr int laps_on_end = 16;              ///< their time is absolute
+constexpr int laps_on_end = 16;  ///< their time is absolute
 
 /// Of a number of our own, without a pattern: −1 … 1.
 double scattered(std::uint64_t i) {
@@ -149,7 +139,7 @@ class SegmentSearch {
   }
 
   [[nodiscard]] bool is_small() const {
-    const double floor = rounding_of_lap * std::sqrt(static_cast<double>(1 + map_.segments()));
+    const double floor = tolerance::lap_rounding * std::sqrt(static_cast<double>(1 + map_.segments()));
     return norm_ <= std::max(floor, task_.tolerance) * orbit_.largest;
   }
 
@@ -200,12 +190,12 @@ class SegmentSearch {
   /// A step of Newton's method. It must pass the natural test, or be one of a few that need not. `done`: no step lessens the residual, which is rounding.
   Progress newton_step() {
     orbit_.kink.clear();
-    const auto space = space_for(residual_, 1.0, enough);
-    const bool is_close = norm_ <= close_to_orbit * orbit_.largest;
+    const auto space = space_for(residual_, 1.0, tolerance::solved_system);
+    const bool is_close = norm_ <= tolerance::close_lap * orbit_.largest;
     if (!space) return is_close && stands_still() ? Progress::done : stuck_without_derivative();
     const DerivativeSpace::Solution solution = space->solve(1.0);
-    const Vector part = space->measured(space->part_at_one(at_one));
-    if (part.norm() > outside * orbit_.largest) return drift(part);
+    const Vector part = space->measured(space->part_at_one(tolerance::multiplier_at_one));
+    if (part.norm() > tolerance::unreachable_residual * orbit_.largest) return drift(part);
     Trial trial = try_step(solution.mapped);
     if (trial.is_interrupted()) {
       fail(std::move(trial.answer));
@@ -223,7 +213,7 @@ class SegmentSearch {
 
   /// Deuflhard's natural test: the step that Φ, of the point before, makes from the trial is shorter.
   bool passes(const Trial& trial, double length) {
-    const auto space = space_for(trial.residual, 1.0, enough_far_away);
+    const auto space = space_for(trial.residual, 1.0, tolerance::solved_roughly);
     return space && map_.energies(space->solve(1.0).delta).norm() <= natural * length;
   }
 
@@ -254,7 +244,7 @@ class SegmentSearch {
       return Progress::stepped;
     }
     const double shift = 1.0 + 1.0 / pace_;
-    const auto space = space_for(g, shift, enough_far_away);
+    const auto space = space_for(g, shift, tolerance::solved_roughly);
     if (!space) return leave_implicit();
     const Vector step = space->solve(shift).delta;
     const double size = map_.energies(g).norm();
@@ -329,10 +319,10 @@ class SegmentSearch {
   /// What is left of a step of Newton's method, or where that has no derivative, of the residual: rounding of a lap leaves the more, the slower the orbit attracts.
   void take_uncertainty() {
     orbit_.uncertainty = share_of_unit(residual_);
-    if (norm_ <= exact_orbit * orbit_.largest) return;
-    const auto space = space_for(residual_, 1.0, enough_far_away);
+    if (norm_ <= tolerance::exact_lap * orbit_.largest) return;
+    const auto space = space_for(residual_, 1.0, tolerance::solved_roughly);
     orbit_.kink.clear();
-    if (space && space->part_at_one(at_one).norm() == 0.0)
+    if (space && space->part_at_one(tolerance::multiplier_at_one).norm() == 0.0)
       orbit_.uncertainty = std::max(orbit_.uncertainty, share_of_unit(space->solve(1.0).delta));
   }
 
@@ -369,7 +359,8 @@ class SegmentSearch {
     const auto& [pairs, known] = leading_pairs;
     if (known == 0) orbit_.unknown_stability = fmt::format("the largest multiplier is known to {:.1g} only", pairs.front().residual);
     if (known == 0 || !follows(space, pairs.front())) return;
-    for (std::size_t i = 0; i < known && std::abs(pairs[i].value) > zero_multiplier; ++i) add_multiplier(space, pairs[i]);
+    for (std::size_t i = 0; i < known && std::abs(pairs[i].value) > tolerance::zero_leading_multiplier; ++i)
+      add_multiplier(space, pairs[i]);
   }
 
   /// Eigenvalues of the derivative, the largest first, of which the first `known` are known.
@@ -390,7 +381,8 @@ class SegmentSearch {
       if (space.dimension() % looks_apart != 0 && !space.is_full()) continue;
       pairs = space.pairs();
       known = 0;
-      while (known < pairs.size() && pairs[known].residual <= known_multiplier * std::max(1.0, std::abs(pairs[known].value))) ++known;
+      while (known < pairs.size() && pairs[known].residual <= tolerance::known_multiplier * std::max(1.0, std::abs(pairs[known].value)))
+        ++known;
       if (known >= leading) break;
     }
     return true;
@@ -403,17 +395,15 @@ class SegmentSearch {
     m.direction =
         space.measured(re).cast<std::complex<double>>() + std::complex<double>(0.0, 1.0) * space.measured(im).cast<std::complex<double>>();
     m.residual = std::max(pair.residual, map_.worst_error());
-    if (std::abs(m.value - 1.0) <= at_one) orbit_.free_directions.push_back(m.direction.real().normalized());
+    if (std::abs(m.value - 1.0) <= tolerance::multiplier_at_one) orbit_.free_directions.push_back(m.direction.real().normalized());
     orbit_.multipliers.push_back(std::move(m));
   }
-
-  static constexpr double zero_multiplier = 1e-9;
 
   /// Whether a run beside the orbit, on either side, ends where the derivative says.
   bool follows(const DerivativeSpace& space, const DerivativeSpace::Pair& pair) {
     const Vector coordinates = pair.coordinates.real();
     const Vector from = space.unknowns(coordinates), to = space.mapped(coordinates);
-    const double size = map_.energies(from).norm(), length = beside_orbit * orbit_.largest / size;
+    const double size = map_.energies(from).norm(), length = tolerance::beside_orbit * orbit_.largest / size;
     const Vector end = map_.unknowns(end_);
     double worst = 0.0;
     for (const double sign : {1.0, -1.0}) {
@@ -424,7 +414,7 @@ class SegmentSearch {
       const Vector error = map_.unknowns(beside) - end - sign * length * to;
       worst = std::max(worst, map_.energies(error).norm() / (length * size));
     }
-    if (worst <= follows_derivative) return true;
+    if (worst <= tolerance::follows_derivative) return true;
     orbit_.unknown_stability = fmt::format("runs beside the orbit differ from its derivative by {:.1g}", worst);
     return false;
   }
@@ -440,7 +430,7 @@ class SegmentSearch {
       if (task_.multiple % part != 0) continue;
       State state = end_;
       if (map_.advance(state, task_.period * part / task_.multiple, false).outcome != engine::Outcome::completed) continue;
-      if (map_.energies(map_.unknowns(state) - map_.unknowns(end_)).norm() > same_point * orbit_.largest) continue;
+      if (map_.energies(map_.unknowns(state) - map_.unknowns(end_)).norm() > tolerance::repeated_point * orbit_.largest) continue;
       orbit_.repeats_after = part;
       return;
     }

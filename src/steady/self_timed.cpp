@@ -22,6 +22,7 @@ constexpr double growth = 16.0;  ///< of the time that is looked at, as long as 
 constexpr int most_extensions = 6;
 constexpr double time_constants = 8.0;  ///< the first look
 constexpr double periods_per_hint = 50.0;
+constexpr double first_instant = 1e-12;       ///< s: all that happens at the begin
 constexpr int most_other_instants = 100'000;  ///< while the event that was asked for does not come
 
 /// The mode that a change leads to; where it leads back to the one before, the first other one on the way, in which the circuit is for no time. Null: there is none.
@@ -134,8 +135,7 @@ class Finder {
   double first_horizon(const RunState& state) {
     RunState at = state;
     TraceRecorder recorder(at.on);
-    constexpr double instant = 1e-12;
-    march_.advance(at, instant, &recorder);
+    march_.advance(at, first_instant, &recorder);
     const Trace trace = recorder.take();
     const double longest = slowest(trace);
     return time_constants * (longest > 0.0 ? longest : last_passage(trace));

@@ -145,7 +145,7 @@ class Rest {
     return value;
   }
 
-  [[nodiscard]] double held_value(const Drive::Held& held) const {
+  [[nodiscard]] double held_value(const Drive::HeldVoltage& held) const {
     Vector zeta = Vector::Zero(system_.n_zeta);
     system_.exosystem->evaluate(system_.exosystem->start(), 0.0, zeta.data());
     double value = held.constant;

@@ -60,6 +60,51 @@ inline constexpr double same_orbit = 1e-8;
 /// Why: far beyond the orbit's own error, and still near it.
 inline constexpr double push = 1e-2;
 
+// Orbits by Krylov segments
+
+/// Of: the right-hand side of a linear system with the derivative of a lap.
+/// Why: Newton's method corrects what is left.
+inline constexpr double solved_system = 1e-5;
+/// Of: the same, of implicit steps, tests of steps and estimates.
+/// Why: they need the size of a solution only.
+inline constexpr double solved_roughly = 1e-2;
+/// Of: the largest state, times the root of the number of segments.
+/// Why: five units of rounding a segment: a residual so small is none.
+inline constexpr double lap_rounding = 1e-15;
+/// Of: the largest state.
+/// Why: as `close_residual`: segments have a digit less. From here on a residual that no step lessens is rounding.
+inline constexpr double close_lap = 1e-9;
+/// Of: the largest state.
+/// Why: a segment's tolerance: a smaller residual leaves nothing to look at.
+inline constexpr double exact_lap = 1e-12;
+/// Of: one, as a distance from an eigenvalue of the derivative.
+/// Why: segments know an eigenvalue to about nine digits: it is 1.
+inline constexpr double multiplier_at_one = 1e-9;
+/// Of: the largest state, for what the residual has along an eigenvector at 1.
+/// Why: as `close_lap`: more than that no step takes away.
+inline constexpr double unreachable_residual = 1e-9;
+/// Of: a product with the derivative.
+/// Why: 450 units of rounding: what is left of it outside of the space is rounding.
+inline constexpr double invariant_space = 1e-13;
+/// Of: the largest singular value of a projected equation.
+/// Why: below the digits of segments: a smaller one is zero.
+inline constexpr double zero_singular_value = 1e-10;
+/// Of: a multiplier, or one, for its residual.
+/// Why: what segments know of it.
+inline constexpr double known_multiplier = 1e-9;
+/// Of: one.
+/// Why: as `known_multiplier`: a smaller multiplier is not known to any digit.
+inline constexpr double zero_leading_multiplier = 1e-9;
+/// Of: the largest state.
+/// Why: the deviation of runs that check the derivative: half of the digits.
+inline constexpr double beside_orbit = 1e-6;
+/// Of: that deviation.
+/// Why: three digits are left of it beside rounding and curvature.
+inline constexpr double follows_derivative = 1e-3;
+/// Of: the largest state.
+/// Why: as `same_orbit`: two points of an orbit that differ by less are one.
+inline constexpr double repeated_point = 1e-8;
+
 // Passages and their order
 
 /// Of: a guard's row times the speed of the state.

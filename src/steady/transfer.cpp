@@ -113,10 +113,10 @@ const Matrix& Transfer::propagator(const Mode& mode, double length) {
 }
 
 /// c at the end of a stretch that begins like the segment, and ∫ e^{−jω_out t} c dt over it.
-Transfer::Stretch Transfer::travel(const LinearSegment& s, double length, const ComplexVector& c0, const ComplexVector& b, Pass& pass) {
+Transfer::Travelled Transfer::travel(const LinearSegment& s, double length, const ComplexVector& c0, const ComplexVector& b, Pass& pass) {
   const Mode& mode = *s.mode;
   const Complex turn = std::exp(-j * pass.omega * length);
-  Stretch stretch{turn * (propagator(mode, length) * c0), ComplexVector::Zero(mode.n1)};
+  Travelled stretch{turn * (propagator(mode, length) * c0), ComplexVector::Zero(mode.n1)};
   if (mode.n1 == 0 || (b.isZero(0.0) && !pass.collects)) return stretch;
   const double total = pass.omega + pass.omega_out;
   const auto inverse_of = [&](auto& known, double omega) -> const Inverse& {
@@ -145,8 +145,8 @@ Transfer::Stretch Transfer::travel(const LinearSegment& s, double length, const 
 }
 
 /// σ = e^{−jω_out t}c, its input, and the integral of σ, in one exponential.
-Transfer::Stretch Transfer::travel_by_exponential(const LinearSegment& s, double length, const ComplexVector& c0, const ComplexVector& b,
-                                                  const Pass& pass) {
+Transfer::Travelled Transfer::travel_by_exponential(const LinearSegment& s, double length, const ComplexVector& c0, const ComplexVector& b,
+                                                    const Pass& pass) {
   const Complex turn0 = std::exp(-j * pass.omega_out * s.begin), turn1 = std::exp(-j * pass.omega_out * (s.begin + length));
   const Eigen::Index n = s.mode->n1;
   ComplexMatrix m = ComplexMatrix::Zero(2 * n + 1, 2 * n + 1);
@@ -186,7 +186,7 @@ void Transfer::segment(const LinearSegment& s, Pass& pass) {
   pass.take_amplitudes(s.begin + 0.5 * s.length);
   const ComplexVector b = input_columns(orbit_, s.island, mode.flow.a(), mode.n1, pass.omega, pass.amplitudes).head(mode.n1);
   const ComplexVector c0 = mode.constrained ? ComplexVector(mode.basis.transpose() * block) : ComplexVector(block);
-  const Stretch stretch = travel(s, s.length, c0, b, pass);
+  const Travelled stretch = travel(s, s.length, c0, b, pass);
   if (pass.collects) {
     const ComplexVector direct = input_columns(orbit_, s.island, mode.outputs, mode.n1, pass.omega, pass.amplitudes);
     ComplexVector sum = mode.outputs.leftCols(mode.n1) * stretch.integral + phase_integral(pass.omega_out, s.begin, s.length) * direct;

@@ -42,12 +42,12 @@ class Transfer {
 
  private:
   struct Pass;
-  struct Stretch {
+  struct Travelled {
     ComplexVector end, integral;
   };
-  Stretch travel(const LinearSegment& s, double length, const ComplexVector& c0, const ComplexVector& b, Pass& pass);
-  static Stretch travel_by_exponential(const LinearSegment& s, double length, const ComplexVector& c0, const ComplexVector& b,
-                                       const Pass& pass);
+  Travelled travel(const LinearSegment& s, double length, const ComplexVector& c0, const ComplexVector& b, Pass& pass);
+  static Travelled travel_by_exponential(const LinearSegment& s, double length, const ComplexVector& c0, const ComplexVector& b,
+                                         const Pass& pass);
   void run(Pass& pass);
   void segment(const LinearSegment& s, Pass& pass);
   [[nodiscard]] Complex guard_shift(const LinearGuard& guard, const Pass& pass) const;

@@ -16,8 +16,8 @@ namespace pwlsim::engine {
 
 /// Relative to a guard's rounding level (Mode::guard_noise, against ‖row‖‖y‖): the difference of two consecutive modes at one zero.
 inline constexpr double rounding_levels = 30.0;  ///< Of: a guard's rounding level. Why: two modes differ by that at one zero.
-/// Of a quantity's largest value, and of its rounding level: from both on a violation ends the run; below, it counts in the certificate.
-inline constexpr double broken_share = 1e-2, broken_levels = 1e4;
+inline constexpr double broken_share = 1e-2;  ///< Of: a quantity's largest value. Why: a violation beyond this and the next ends the run.
+inline constexpr double broken_levels = 1e4;  ///< Of: a quantity's rounding level. Why: four digits beyond rounding, see `broken_share`.
 
 class GuardWatch {
  public:

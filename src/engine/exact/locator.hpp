@@ -2,13 +2,26 @@
 /// Guaranteed event location: the first time at which a guard g(τ) = row·y(τ) of a mode falls below zero.
 ///
 /// On an interval [τ, τ+h] every guard is excluded, shown to have exactly one root, shown to touch zero without crossing (a graze:
-/// no event), or the interval is halved. The tests use the bound, valid for every τ ≥ 0 in the segment,
+/// no event), or the interval is halved. The state is y = (c, ζ) of model/mode.hpp: c' = A₁c + E₁ζ, and ζ are the sources. The tests use the
+/// bound, valid for every τ ≥ 0 in the segment,
 ///
 ///     |g^{(j)}| ≤ K_j = ‖row_c‖·e^{μ⁺h}(‖c^{(j)}‖ + h·max‖E₁ζ^{(j)}‖) + max|row_ζ ζ^{(j)}|,
 ///
-/// which is insensitive to stiffness because energy coordinates make e^{A₁τ} a contraction for passive circuits. Guards that
-/// start at zero are safe on (0, (m+1)g_m/K_{m+1}] if their first nonzero derivative g_m > 0 has order m. If that takes many intervals,
-/// the guard is decomposed by eigenvectors (modal_search.hpp).
+/// with μ⁺ the logarithmic norm of A₁, or 0 if that is negative. It is insensitive to stiffness because energy coordinates make e^{A₁τ} a
+/// contraction for passive circuits. Guards that start at zero are safe on (0, (m+1)g_m/K_{m+1}] if their first nonzero derivative g_m > 0 has
+/// order m.
+///
+/// Ways to search, in the order in which `march` tries them; each decides some length of the segment, or leaves it to the next:
+///
+/// 1. straight lines: all guards are polynomials of time; exact (locator.cpp);
+/// 2. two derivatives ahead: a falling guard whose bend is bounded up to its root (locator_ahead.cpp);
+/// 3. eigenvectors: the guard as a sum of exponentials, each enclosed by itself; after three intervals (locator_modal.cpp, modal_search.hpp);
+/// 4. Taylor models: a polynomial of degree ten and a bounded remainder; modes that are not stiff (locator_series.cpp);
+/// 5. bounds of low order: the second derivative is bounded on the interval; stiff modes (locator.cpp);
+/// 6. samples: signs at the interval's end; only where an interval cannot be decided, and the run says so (locator.cpp).
+///
+/// A segment that begins with fast decays (model::Decays) is searched by the sum of the slow motion and the decays (locator_decays.cpp), then as
+/// above. docs/developer/performance.md, "Which rung decides", counts how often each of them does.
 
 #include <cmath>
 #include <vector>

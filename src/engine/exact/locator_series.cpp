@@ -1,4 +1,4 @@
-/// Event location by Taylor models: over an interval a guard is a polynomial of fixed order plus a remainder that is bounded for the
+/// Event location by Taylor models: over an interval a guard is a polynomial of fixed degree plus a remainder that is bounded for the
 /// whole interval; the polynomial's Bernstein coefficients enclose it, and subdividing it costs no evaluation of the state
 /// (Farouki & Rajan, Computer Aided Geometric Design 4 (1987) 191–216, for the basis and its subdivision).
 
@@ -16,8 +16,8 @@ namespace {
 
 using model::Mode;
 
-constexpr int order = 10;
-constexpr double exact_reach = 0.14;     ///< rate·step up to which the series of this order is exact to rounding
+constexpr int degree = 10;
+constexpr double exact_reach = 0.14;     ///< rate·step up to which the series of this degree is exact to rounding
 constexpr double longest_reach = 12.0;   ///< rate·h beyond which the remainder never passes
 constexpr double shorter = 0.7;          ///< of an interval that could not be decided
 constexpr double longer = 1.15;          ///< of the reach, after an interval decided at once
@@ -26,10 +26,10 @@ constexpr double beyond_end = 1.25;      ///< of what is left: tried where a gua
 constexpr double bracket_margin = 0.02;  ///< of the interval, behind an isolated root
 constexpr int most_depth = 6;            ///< of subdivision
 
-using Coefficients = std::array<double, order + 1>;
+using Coefficients = std::array<double, degree + 1>;
 
-constexpr std::array<double, order + 2> inverse_factorial = [] {
-  std::array<double, order + 2> table{};
+constexpr std::array<double, degree + 2> inverse_factorial = [] {
+  std::array<double, degree + 2> table{};
   double factorial = 1.0;
   for (std::size_t j = 0; j < table.size(); ++j) {
     if (j > 0) factorial *= static_cast<double>(j);
@@ -45,10 +45,10 @@ constexpr double binomial(int n, int k) {
 }
 
 /// b_k = Σ_{j≤k} C(k,j)/C(n,j) c_j; column j of the table holds the factors of c_j.
-constexpr std::array<Coefficients, order + 1> to_bernstein = [] {
-  std::array<Coefficients, order + 1> table{};
-  for (int k = 0; k <= order; ++k)
-    for (int j = 0; j <= k; ++j) table[static_cast<std::size_t>(j)][static_cast<std::size_t>(k)] = binomial(k, j) / binomial(order, j);
+constexpr std::array<Coefficients, degree + 1> to_bernstein = [] {
+  std::array<Coefficients, degree + 1> table{};
+  for (int k = 0; k <= degree; ++k)
+    for (int j = 0; j <= k; ++j) table[static_cast<std::size_t>(j)][static_cast<std::size_t>(k)] = binomial(k, j) / binomial(degree, j);
   return table;
 }();
 
@@ -62,7 +62,7 @@ Coefficients bernstein(const Coefficients& c) {
 /// De Casteljau's triangle at one half, its rows of a length that the compiler knows.
 template <std::size_t length>
 void halve(Coefficients& work, Coefficients& left, Coefficients& right) {
-  left[order + 1 - length] = work[0];
+  left[degree + 1 - length] = work[0];
   right[length - 1] = work[length - 1];
   if constexpr (length > 1) {
     for (std::size_t k = 0; k + 1 < length; ++k) work[k] = 0.5 * (work[k] + work[k + 1]);
@@ -72,25 +72,25 @@ void halve(Coefficients& work, Coefficients& left, Coefficients& right) {
 
 void split(const Coefficients& b, Coefficients& left, Coefficients& right) {
   Coefficients work = b;
-  halve<order + 1>(work, left, right);
+  halve<degree + 1>(work, left, right);
 }
 
 /// Bounds of c over the unit interval, by Horner's scheme: s·q(s) lies between min(0, min q) and max(0, max q).
 double lower_bound(const Coefficients& c) {
-  double bound = c[order];
-  for (std::size_t k = order; k-- > 0;) bound = c[k] + std::min(0.0, bound);
+  double bound = c[degree];
+  for (std::size_t k = degree; k-- > 0;) bound = c[k] + std::min(0.0, bound);
   return bound;
 }
 
 double upper_bound(const Coefficients& c) {
-  double bound = c[order];
-  for (std::size_t k = order; k-- > 0;) bound = c[k] + std::max(0.0, bound);
+  double bound = c[degree];
+  for (std::size_t k = degree; k-- > 0;) bound = c[k] + std::max(0.0, bound);
   return bound;
 }
 
 Coefficients derivative(const Coefficients& c) {
   Coefficients d{};
-  for (std::size_t k = 0; k < order; ++k) d[k] = static_cast<double>(k + 1) * c[k + 1];
+  for (std::size_t k = 0; k < degree; ++k) d[k] = static_cast<double>(k + 1) * c[k + 1];
   return d;
 }
 
@@ -131,11 +131,11 @@ SeriesPiece walk(const Coefficients& b, double rest, double rest_slope, double l
     flattest = std::max(flattest, b[k] - b[k - 1]);
   }
   if (least > rest) return {Shape::positive, low, high};
-  const double slope = rest_slope * (high - low) / order;
-  if (flattest < -slope && b[order] < -rest) return {Shape::one_root, low, high};
+  const double slope = rest_slope * (high - low) / degree;
+  if (flattest < -slope && b[degree] < -rest) return {Shape::one_root, low, high};
   if (steepest > slope) return {Shape::positive, low, high};
   // Down into the remainder and no farther: no subdivision tells more.
-  if (flattest <= 0.0 && std::abs(b[order]) <= rest) return {Shape::unclear, low, high};
+  if (flattest <= 0.0 && std::abs(b[degree]) <= rest) return {Shape::unclear, low, high};
   if (depth == most_depth) return {Shape::unclear, low, high};
   Coefficients left{}, right{};
   split(b, left, right);
@@ -147,7 +147,7 @@ SeriesPiece walk(const Coefficients& b, double rest, double rest_slope, double l
 
 /// h^j/j!, which turn derivatives at the start into the coefficients of a polynomial on the unit interval; the last one belongs to the
 /// remainder.
-using Powers = std::array<double, order + 2>;
+using Powers = std::array<double, degree + 2>;
 
 Powers powers_of(double h) {
   Powers powers{};
@@ -185,16 +185,16 @@ double polynomial_root(const Coefficients& c, double low, double high) {
 
 /// The derivatives beyond the second.
 void Locator::differentiate(const Segment& s) {
-  static_assert(order == series_order);
+  static_assert(degree == series_order);
   const Mode& m = *s.mode;
   const auto ny = static_cast<std::size_t>(m.ny);
-  linalg::multiply_repeatedly(m.flow.a(), order - 1, &derivatives_[2 * ny]);
+  linalg::multiply_repeatedly(m.flow.a(), degree - 1, &derivatives_[2 * ny]);
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
-    double* g = &guard_derivatives_[i * (order + 1)];
+    double* g = &guard_derivatives_[i * (degree + 1)];
     g[0] = g_[i];
     g[1] = gd_[i];
     g[2] = g2_[i];
-    for (std::size_t j = 3; j <= order; ++j) g[j] = linalg::row_times(m.guards, s.rows[i], &derivatives_[j * ny]);
+    for (std::size_t j = 3; j <= degree; ++j) g[j] = linalg::row_times(m.guards, s.rows[i], &derivatives_[j * ny]);
   }
 }
 
@@ -204,7 +204,7 @@ void Locator::series_state(const Segment& s, double step, double* out) {
   const auto ny = static_cast<std::size_t>(s.mode->ny);
   const bool is_small = linalg::with_length(s.mode->ny, [&]<int length>(linalg::Length<length>) {
     linalg::Small<length> sum{};
-    for (int j = order; j >= 0; --j) {
+    for (int j = degree; j >= 0; --j) {
       sum.scale(step / (j + 1));
       sum.add(linalg::Small<length>::load(&derivatives_[static_cast<std::size_t>(j * length)]));
     }
@@ -212,7 +212,7 @@ void Locator::series_state(const Segment& s, double step, double* out) {
   });
   if (is_small) return;
   std::fill(out, out + ny, 0.0);
-  for (std::size_t j = order + 1; j-- > 0;) {
+  for (std::size_t j = degree + 1; j-- > 0;) {
     const double* d = &derivatives_[j * ny];
     const double factor = step / static_cast<double>(j + 1);
     for (std::size_t i = 0; i < ny; ++i) out[i] = d[i] + factor * out[i];
@@ -232,17 +232,17 @@ Locator::Isolated Locator::leave_rest(const Segment& s, std::size_t i, double h)
 Locator::Isolated Locator::isolate_root(const Segment& s, std::size_t i, double h, const double* powers, double next_derivative) {
   if (is_at_rest(s, i)) return leave_rest(s, i, h);
   Coefficients c{};
-  const double* g = &guard_derivatives_[i * (order + 1)];
-  for (std::size_t j = 0; j <= order; ++j) c[j] = g[j] * powers[j];
-  double rest = next_derivative * powers[order + 1];
-  double rest_slope = (order + 1) * rest;
+  const double* g = &guard_derivatives_[i * (degree + 1)];
+  for (std::size_t j = 0; j <= degree; ++j) c[j] = g[j] * powers[j];
+  double rest = next_derivative * powers[degree + 1];
+  double rest_slope = (degree + 1) * rest;
   const int start = s.tau == 0.0 ? s.departures[i].order : 0;
-  if (start > order - 4) return {Verdict::undecided, 0.0, 0.0, 0.0};
+  if (start > degree - 4) return {Verdict::undecided, 0.0, 0.0, 0.0};
   if (start > 0) {
-    // Zero at the start up to this order: g/s^start has the same sign and roots on (0, 1].
+    // Zero at the start up to this degree: g/s^start has the same sign and roots on (0, 1].
     std::copy(c.begin() + start, c.end(), c.begin());
     std::fill(c.end() - start, c.end(), 0.0);
-    rest_slope = (order + 1 + start) * rest;
+    rest_slope = (degree + 1 + start) * rest;
   }
   if (lower_bound(c) > rest) return {Verdict::excluded, 0.0, 0.0, 0.0};
   // What a value of this guard is worth, against which its own rounding counts.
@@ -262,8 +262,8 @@ Locator::Isolated Locator::isolate_root(const Segment& s, std::size_t i, double 
 /// The first root of any guard in an interval of length h.
 Locator::FirstRoot Locator::first_root(const Segment& s, double h) {
   FirstRoot first;
-  const double* last = &derivatives_[(order + 1) * static_cast<std::size_t>(s.mode->ny)];
-  Bound bound = bound_of(s, order + 1, last, h);
+  const double* last = &derivatives_[(degree + 1) * static_cast<std::size_t>(s.mode->ny)];
+  Bound bound = bound_of(s, degree + 1, last, h);
   double length = h;  // behind the first root so far nothing matters
   Powers powers = powers_of(length);
   for (std::size_t i = 0; i < s.rows.size(); ++i) {

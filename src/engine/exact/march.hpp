@@ -1,5 +1,6 @@
 #pragma once
-/// A run that can start from any state, be observed, and return the state in which it ends. It keeps its modes from one call to the next.
+/// A run that can start from any state, be observed, and return the state in which it ends. It keeps its modes from one call to the next. Two runs,
+/// the second from where the first ends, at an instant, give what one run gives, to the last bit.
 
 #include <atomic>
 

@@ -1,5 +1,7 @@
 #pragma once
-/// The reports of a run to an observer: its segments, and the instants between them.
+/// The reports of a run to an observer: its segments, and the instants between them. A circuit falls into islands, parts that share no state; a
+/// segment belongs to one, and one instant may change several. y = (c, ζ) is the state of a mode (model/mode.hpp): c of the island, ζ of its
+/// sources. Pointers and spans are valid during the call; modes live as long as the run's March.
 
 #include <span>
 #include <vector>
@@ -47,6 +49,7 @@ struct InstantView {
   std::span<const char> on;  ///< switches of the model, after the instant
 };
 
+/// In order of time: an instant comes after the segments that end there, and before those that begin.
 class Observer {
  public:
   virtual ~Observer() = default;

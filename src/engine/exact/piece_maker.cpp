@@ -9,7 +9,7 @@
 namespace pwlsim::engine {
 namespace {
 
-constexpr std::size_t points = linalg::legendre_points;
+constexpr std::size_t piece_points = linalg::legendre_points;
 constexpr std::uint64_t crowd = 4096;
 constexpr std::uint64_t most_doublings = 10;
 /// Derivatives at the begin may differ by so many resolutions of a coefficient, and by so many roundings of their own terms.
@@ -19,11 +19,11 @@ constexpr double easy = 0.5;
 constexpr std::size_t most_kept_intervals = 512;  ///< kept for one mode
 
 /// P_k^{(m)}(1) = (k + m)!/(2^m m! (k − m)!), k = 0 … 16.
-using EndDerivatives = std::array<std::array<double, points + 1>, 4>;
+using EndDerivatives = std::array<std::array<double, piece_points + 1>, 4>;
 EndDerivatives end_derivatives() {
   EndDerivatives result{};
   for (std::size_t m = 0; m < result.size(); ++m)
-    for (std::size_t k = m; k <= points; ++k) {
+    for (std::size_t k = m; k <= piece_points; ++k) {
       double value = 1.0;
       for (std::size_t j = k - m + 1; j <= k + m; ++j) value *= static_cast<double>(j);
       for (std::size_t j = 1; j <= m; ++j) value /= 2.0 * static_cast<double>(j);
@@ -51,7 +51,7 @@ PieceMaker::PieceMaker(const std::vector<IslandRun>& runs, const std::vector<Isl
     tracks_.push_back(std::move(track));
   }
   const std::size_t count = probes.signals.size();
-  values_.resize(count * points);
+  values_.resize(count * piece_points);
   starts_.resize(count * derivatives);
   bounds_.resize(count * derivatives);
   terms_.resize(count);
@@ -134,15 +134,15 @@ const PieceMaker::Interval& PieceMaker::interval_of(Track& track, int level) {
   const model::Mode& mode = *track.mode;
   Interval interval;
   interval.advance = mode.flow.minus_identity(length);
-  interval.points.resize(static_cast<Eigen::Index>(track.shares.size() * points), mode.ny);
+  interval.points.resize(static_cast<Eigen::Index>(track.shares.size() * piece_points), mode.ny);
   interval.bound.setZero(static_cast<Eigen::Index>(track.shares.size()), mode.ny);
   linalg::Vector row(mode.ny), work(2 * mode.ny);
   const auto& point = linalg::gauss_legendre().point;
   for (std::size_t s = 0; s < track.shares.size(); ++s)
-    for (std::size_t i = 0; i < points; ++i) {
+    for (std::size_t i = 0; i < piece_points; ++i) {
       row = mode.outputs.row(static_cast<Eigen::Index>(track.shares[s].first)).transpose();
       track.rows->transposed.apply_once(0.5 * (1.0 + point[i]) * length, row.data(), work.data());
-      interval.points.row(static_cast<Eigen::Index>(s * points + i)) = row.transpose();
+      interval.points.row(static_cast<Eigen::Index>(s * piece_points + i)) = row.transpose();
       interval.bound.row(static_cast<Eigen::Index>(s)) =
           interval.bound.row(static_cast<Eigen::Index>(s)).cwiseMax(row.cwiseAbs().transpose());
     }
@@ -184,10 +184,10 @@ void PieceMaker::fill(int level) {
   for (Track& track : tracks_) {
     track.interval = &interval_of(track, level);
     const std::size_t count = track.shares.size();
-    scratch_.resize(count * points);
+    scratch_.resize(count * piece_points);
     linalg::multiply(track.interval->points, track.y.data(), scratch_.data());
     for (std::size_t s = 0; s < count; ++s)
-      for (std::size_t i = 0; i < points; ++i) values_[track.shares[s].second * points + i] += scratch_[s * points + i];
+      for (std::size_t i = 0; i < piece_points; ++i) values_[track.shares[s].second * piece_points + i] += scratch_[s * piece_points + i];
     const linalg::Vector size = Eigen::Map<const linalg::Vector>(track.y.data(), track.mode->ny).cwiseAbs();
     linalg::multiply(track.interval->bound, size.data(), scratch_.data());
     for (std::size_t s = 0; s < count; ++s) terms_[track.shares[s].second] += scratch_[s];
@@ -205,10 +205,10 @@ bool PieceMaker::resolved(double length) const {
   static const EndDerivatives ends = end_derivatives();
   const double noise_unit = std::ldexp(tolerance::piece_point, static_cast<int>(std::min(short_ / crowd, most_doublings)));
   for (std::size_t probe = 0; probe < largest_.size(); ++probe) {
-    const double* values = &values_[probe * points];
+    const double* values = &values_[probe * piece_points];
     const linalg::LegendreSeries series(values);
     double size = tolerance::piece_dead * largest_[probe];
-    for (std::size_t i = 0; i < points; ++i) size = std::max(size, std::abs(values[i]));
+    for (std::size_t i = 0; i < piece_points; ++i) size = std::max(size, std::abs(values[i]));
     const double noise = noise_unit * terms_[probe];
     const double tolerance = tolerance::piece_resolution * size + noise;
     if (series.tail() > tolerance) return false;
@@ -216,7 +216,7 @@ bool PieceMaker::resolved(double length) const {
     double unit = 1.0;
     for (std::size_t m = 0; m < derivatives; ++m) {
       const std::size_t place = probe * derivatives + m;
-      const double slack = derivative_slack * ends[m][points] * tolerance + tolerance::piece_derivative * bounds_[place] * unit;
+      const double slack = derivative_slack * ends[m][piece_points] * tolerance + tolerance::piece_derivative * bounds_[place] * unit;
       if (std::abs(derivative(-1.0) - starts_[place] * unit) > slack) return false;
       derivative = derivative.derivative();
       unit *= 0.5 * length;
@@ -227,7 +227,7 @@ bool PieceMaker::resolved(double length) const {
 
 void PieceMaker::hand_over_piece(double from, double to, int level) {
   for (std::size_t probe = 0; probe < largest_.size(); ++probe)
-    for (std::size_t i = 0; i < points; ++i) largest_[probe] = std::max(largest_[probe], std::abs(values_[probe * points + i]));
+    for (std::size_t i = 0; i < piece_points; ++i) largest_[probe] = std::max(largest_[probe], std::abs(values_[probe * piece_points + i]));
   for (Track& track : tracks_) {
     if (!track.is_fresh) continue;
     track.is_fresh = false;

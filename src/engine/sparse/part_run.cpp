@@ -143,7 +143,7 @@ bool PartRun::advance() {
 
 /// False: given up, since nothing comes of the steps.
 bool PartRun::look_back() {
-  const StallWatch::Place now{point_.time, steps_, events_};
+  const StallWatch::Progress now{point_.time, steps_, events_};
   if (!stall_.is_due(now)) return true;
   const std::string why = stall_.look(certificate_.check(), now);
   return why.empty() || give_up(why);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/arithmetic.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -14,12 +15,8 @@ namespace {
 
 /// Vectors at which the error is looked at.
 constexpr std::array<int, 13> deviation_dimensions{2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 28, 35, 45};
-constexpr double deviation_tolerance = 1e-12;  ///< of the largest deviation so far
-constexpr double most_error = 1e-8;            ///< the same: where vectors are nothing but rounding
 constexpr int smoothing_steps = 6;
-constexpr double gone = 1e-20;                  ///< the same: it has decayed
 constexpr double least_deviation_share = 1e-4;  ///< of a segment: a shorter part is none
-constexpr double same_shift_of_time = 1e-6;     ///< of the largest: guards that fall to zero together in nearby runs, too
 
 }  // namespace
 
@@ -93,21 +90,21 @@ bool SegmentDeviation::resolve(double length, double& reached) {
     const auto& points = space_.estimate(length);
     error = 0.0;
     for (const auto& point : points) error = std::max(error, point.error);
-    if (error <= deviation_tolerance * scale_) break;
+    if (error <= tolerance::known_deviation * scale_) break;
     if (!space_.is_full() && m < deviation_dimensions.back()) continue;
     reached = 0.0;
     double part = 0.0;
     for (const auto& point : points) {
-      if (!(point.error <= deviation_tolerance * scale_)) break;
+      if (!(point.error <= tolerance::known_deviation * scale_)) break;
       reached = point.tau;
       part = std::max(part, point.error);
     }
-    if (reached < least_deviation_share * length && error <= most_error * scale_) reached = length;
+    if (reached < least_deviation_share * length && error <= tolerance::rounded_deviation * scale_) reached = length;
     if (reached < length) error = part;
     break;
   }
   worst_ = std::max(worst_, error / scale_);
-  return space_.is_sound() && error <= most_error * scale_ && reached >= least_deviation_share * length;
+  return space_.is_sound() && error <= tolerance::rounded_deviation * scale_ && reached >= least_deviation_share * length;
 }
 
 bool SegmentDeviation::propagate(const SegmentRecord& record) {
@@ -131,7 +128,7 @@ bool SegmentDeviation::propagate(const SegmentRecord& record) {
   }
 }
 
-bool SegmentDeviation::is_gone() const { return !(space_.start_size() > gone * scale_); }
+bool SegmentDeviation::is_gone() const { return !(space_.start_size() > tolerance::decayed_deviation * scale_); }
 
 /// A jump in a position, of the deviation.
 bool SegmentDeviation::project(const SegmentRecord& record, const Position& on) {
@@ -177,7 +174,7 @@ void SegmentDeviation::note_beside(const SegmentRecord& before, const SegmentRec
     if (before.on[guard.port] == after.on[guard.port]) continue;
     const double own = -Form::sum(guard.form.z, z_.data()) / guard.rate;
     const double terms = Form::size_of(guard.form.z, z_.data()) / std::abs(guard.rate);
-    if (std::abs(own - shift) > same_shift_of_time * std::max(terms, std::abs(shift)))
+    if (std::abs(own - shift) > tolerance::same_shift_of_time * std::max(terms, std::abs(shift)))
       beside_.push_back({after.begin, part_.descriptor.ports()[guard.port].name});
   }
 }

@@ -49,13 +49,13 @@ void StallWatch::note_instant(bool happened) {
 }
 
 /// Since the last look.
-bool StallWatch::are_steps_many(const Place& now) const { return now.steps - last_.steps >= steps_between_looks; }
+bool StallWatch::are_steps_many(const Progress& now) const { return now.steps - last_.steps >= steps_between_looks; }
 
 bool StallWatch::are_passages_idle() const { return idle_passages_ >= most_idle_passages; }
 
-bool StallWatch::is_due(const Place& now) const { return are_steps_many(now) || are_passages_idle(); }
+bool StallWatch::is_due(const Progress& now) const { return are_steps_many(now) || are_passages_idle(); }
 
-std::string StallWatch::look(const Certificate& certificate, const Place& now) {
+std::string StallWatch::look(const Certificate& certificate, const Progress& now) {
   if (are_steps_many(now)) {
     const double stretch = now.time - last_.time;
     const std::string why = look_at_steps(certificate, now, stretch);
@@ -67,7 +67,7 @@ std::string StallWatch::look(const Certificate& certificate, const Place& now) {
 }
 
 /// They took that much of the run.
-std::string StallWatch::look_at_steps(const Certificate& certificate, const Place& now, double stretch) {
+std::string StallWatch::look_at_steps(const Certificate& certificate, const Progress& now, double stretch) {
   const double worst = worst_residual(certificate);
   const bool is_worse = worst > std::exchange(residual_before_, worst);
   const bool is_senseless = worst >= senseless_residual || certificate.kcl_kvl >= broken_laws;
@@ -88,7 +88,7 @@ std::string StallWatch::look_at_steps(const Certificate& certificate, const Plac
   return is_blocked ? "longer ones find no position, or a different one" : "";
 }
 
-std::string StallWatch::look_at_passages(const Certificate& certificate, const Place& now) {
+std::string StallWatch::look_at_passages(const Certificate& certificate, const Progress& now) {
   idle_passages_ = 0;
   const double worst = worst_residual(certificate);
   if (!is_hopeless(worst)) return "";

@@ -14,7 +14,7 @@ class StallWatch {
   StallWatch(bool is_passive, double stop, double reltol);
 
   /// The time of the run, s, and the number of steps and events so far.
-  struct Place {
+  struct Progress {
     double time = 0.0;
     std::uint64_t steps = 0, events = 0;
   };
@@ -27,20 +27,20 @@ class StallWatch {
   [[nodiscard]] int idle_passages() const { return idle_passages_; }
 
   /// Whether it is time to examine the last steps.
-  [[nodiscard]] bool is_due(const Place& now) const;
+  [[nodiscard]] bool is_due(const Progress& now) const;
   /// The fault of the last steps, as text; empty if they make progress.
-  [[nodiscard]] std::string look(const Certificate& certificate, const Place& now);
+  [[nodiscard]] std::string look(const Certificate& certificate, const Progress& now);
 
  private:
-  [[nodiscard]] bool are_steps_many(const Place& now) const;
+  [[nodiscard]] bool are_steps_many(const Progress& now) const;
   [[nodiscard]] bool are_passages_idle() const;
-  [[nodiscard]] std::string look_at_steps(const Certificate& certificate, const Place& now, double stretch);
-  [[nodiscard]] std::string look_at_passages(const Certificate& certificate, const Place& now);
+  [[nodiscard]] std::string look_at_steps(const Certificate& certificate, const Progress& now, double stretch);
+  [[nodiscard]] std::string look_at_passages(const Certificate& certificate, const Progress& now);
   [[nodiscard]] bool is_hopeless(double residual) const;
 
   bool passive_;
   double stop_, reltol_;
-  Place last_;                    ///< of the last look
+  Progress last_;                 ///< of the last look
   double residual_before_ = 0.0;  ///< there
   std::uint64_t cliffs_ = 0;      ///< steps since then whose error jumped with their length
   std::uint64_t idle_since_ = 0;  ///< instants since then that came to nothing

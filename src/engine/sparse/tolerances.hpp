@@ -276,6 +276,18 @@ inline constexpr double first_solution = 1e-9;
 /// Of: one, as the condition of K.
 /// Why: beyond it four digits are left, and the space is nothing but rounding.
 inline constexpr double largest_condition = 1e12;
+/// Of: the largest deviation so far.
+/// Why: a segment's own tolerance.
+inline constexpr double known_deviation = 1e-12;
+/// Of: the same.
+/// Why: where the vectors are nothing but rounding, half of the digits are left.
+inline constexpr double rounded_deviation = 1e-8;
+/// Of: the same.
+/// Why: its square is below the smallest square of rounding: the deviation has decayed.
+inline constexpr double decayed_deviation = 1e-20;
+/// Of: the largest shift, or its terms.
+/// Why: half of the digits: guards that fall to zero together do so in nearby runs, too.
+inline constexpr double same_shift_of_time = 1e-6;
 
 // Certificate
 
