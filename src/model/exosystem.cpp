@@ -187,6 +187,9 @@ void Exosystem::fill_matrices(int sources) {
   a_ = linalg::Matrix::Zero(states_, states_);
   rows_ = linalg::Matrix::Zero(sources, states_);
   for (const auto& c : coefficients_) rows_(c.source, c.state) += c.value;
+  for (int state = 0; state < states_; ++state)
+    for (int source = 0; source < sources; ++source)
+      if (rows_(source, state) != 0.0) terms_.push_back({source, state, rows_(source, state)});
   for (const auto& block : blocks_) {
     const int i = block.first;
     if (block.kind == Block::Kind::ramp) a_(i, i + 1) = block.rate;
@@ -197,6 +200,21 @@ void Exosystem::fill_matrices(int sources) {
       a_(i + 1, i) = -block.omega;
     }
   }
+}
+
+linalg::Vector Exosystem::values(const linalg::Vector& zeta) const {
+  linalg::Vector w = linalg::Vector::Zero(rows_.rows());
+  for (const Term& term : terms_) w[term.source] += term.value * zeta[term.state];
+  return w;
+}
+
+linalg::Vector Exosystem::rates(const linalg::Vector& zeta) const {
+  linalg::Vector result(zeta.size());
+  for (const Block& block : blocks_) {
+    const Eigen::Index i = block.first, n = block.size();
+    result.segment(i, n) = a_.block(i, i, n, n).lazyProduct(zeta.segment(i, n));
+  }
+  return result;
 }
 
 Exosystem::Phase Exosystem::start(double time) const {

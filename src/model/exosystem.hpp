@@ -99,6 +99,17 @@ class Exosystem {
   [[nodiscard]] double fastest() const;
   /// w_source = row · ζ.
   [[nodiscard]] const linalg::Matrix& rows() const { return rows_; }
+  /// An entry of `rows` that is not zero.
+  struct Term {
+    int source, state;
+    double value;
+  };
+  /// All of them, by states.
+  [[nodiscard]] const std::vector<Term>& terms() const { return terms_; }
+  /// w = C_w ζ by the terms: of many sources each reads few states.
+  [[nodiscard]] linalg::Vector values(const linalg::Vector& zeta) const;
+  /// ζ' = A_w ζ, block by block.
+  [[nodiscard]] linalg::Vector rates(const linalg::Vector& zeta) const;
 
   struct TrackBlock {
     Track track;
@@ -147,15 +158,12 @@ class Exosystem {
   void fill_matrices(int sources);
   void refresh_next(Phase& phase) const;
 
-  struct Coefficient {
-    int source, state;
-    double value;
-  };
   linalg::Matrix a_, rows_;
+  std::vector<Term> terms_;
   bool curved_ = false;
   std::vector<Block> blocks_;
   std::vector<TrackBlock> tracks_;
-  std::vector<Coefficient> coefficients_;
+  std::vector<Term> coefficients_;  ///< in the order of sources; several may add up to one entry
   int states_ = 0;
   int constant_ = -1;
 };

@@ -77,6 +77,28 @@ TEST_CASE("constants need one state", "[unit]") {
   CHECK(player.next() == forever);
 }
 
+// 3;  1 + 2 sin(100π t);  −1 + 6 (t − 1) on the rise of a pulse;  and their derivatives.
+TEST_CASE("values and slopes of several sources at once", "[unit]") {
+  Sin sine;
+  sine.offset = 1.0;
+  sine.amplitude = 2.0;
+  sine.frequency = 50.0;
+  Pulse pulse = square(1.0, 2.0, 10.0);
+  pulse.rise = 0.5;
+  Player player({Dc{3.0}, sine, pulse});
+  player.advance(1.0);
+  const double t = 1.253;
+  const linalg::Vector zeta = player.zeta(t), w = player.system().values(zeta);
+  const linalg::Vector slope = player.system().values(player.system().rates(zeta));
+  REQUIRE(w.size() == 3);
+  CHECK(w[0] == 3.0);
+  CHECK(w[1] == Approx(1.0 + 2.0 * std::sin(100.0 * pi * t)).epsilon(1e-12));
+  CHECK(w[2] == Approx(-1.0 + 6.0 * (t - 1.0)).epsilon(1e-12));
+  CHECK(slope[0] == 0.0);
+  CHECK(slope[1] == Approx(200.0 * pi * std::cos(100.0 * pi * t)).epsilon(1e-12));
+  CHECK(slope[2] == Approx(6.0).epsilon(1e-12));
+}
+
 TEST_CASE("a pulse before and after its first jump at zero", "[unit]") {
   Player player({square(0.0, 4.0, 10.0)});
   CHECK(player.value(0.0) == -1.0);  // left limit

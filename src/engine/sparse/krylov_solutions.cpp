@@ -24,14 +24,14 @@ double KrylovSpace::source_part(const Form& form, const Vector& w, double one) c
 
 /// r −= H C ζ + g ζ₁
 void KrylovSpace::add_sources(const Vector& zeta, std::vector<double>& r) const {
-  const Vector w = exosystem_.rows() * zeta;
+  const Vector w = exosystem_.values(zeta);
   descriptor_.add_sources(w.data(), r.data());
   descriptor_.add_constants(zeta[exosystem_.constant()], r.data());
 }
 
 /// Closing rows of a right-hand side.
 void KrylovSpace::close(const Vector& zeta, std::vector<double>& r) const {
-  const Vector w = exosystem_.rows() * zeta;
+  const Vector w = exosystem_.values(zeta);
   const double one = zeta[exosystem_.constant()];
   for (std::size_t i = 0; i < on_.size(); ++i) {
     const DescriptorPort& port = descriptor_.ports()[i];
@@ -57,7 +57,7 @@ void KrylovSpace::solve(std::vector<double>& r, const Vector& zeta) {
 
 /// What the factor leaves open or only nearly holds in a solution.
 void KrylovSpace::settle(std::vector<double>& z, const Vector& zeta) {
-  const Vector w = exosystem_.rows() * zeta;
+  const Vector w = exosystem_.values(zeta);
   const double one = zeta[exosystem_.constant()];
   if (factor_->closing()) return correct(z, w, one);
   if (!factor_->ties().empty()) return share_out(z, w, one);
@@ -111,7 +111,7 @@ void KrylovSpace::share_out(std::vector<double>& z, const Vector& w, double one)
 /// Whether what a position holds at zero is not.
 bool KrylovSpace::contradicts(const std::vector<double>& z, const Vector& zeta) const {
   if (!factor_->closing() && factor_->ties().empty()) return false;
-  const Vector w = exosystem_.rows() * zeta;
+  const Vector w = exosystem_.values(zeta);
   const double size = std::max(least_, largest(z));
   for (std::size_t i = 0; i < on_.size(); ++i) {
     const DescriptorPort& port = descriptor_.ports()[i];

@@ -107,13 +107,13 @@ std::vector<double> KrylovSpace::impulses() const {
 /// T z of the last vector, in right_ and changes_.
 void KrylovSpace::apply(int j) {
   const Vector zeta = zetas_.col(j);
-  const Vector change = after_step(exosystem_, 1.0 / shift_, exosystem_.a() * zeta / shift_);
+  const Vector change = after_step(exosystem_, 1.0 / shift_, exosystem_.rates(zeta) / shift_);
   right_.resize(static_cast<std::size_t>(descriptor_.size()));
   descriptor_.conduct(vectors_.col(j).data(), right_.data());
   add_sources(zeta, right_);
   for (std::size_t i = 0; i < right_.size(); ++i)
     if (differential_[i] == 0) right_[i] = 0.0;
-  const Vector w = exosystem_.rows() * change;
+  const Vector w = exosystem_.values(change);
   descriptor_.add_sources(w.data(), right_.data());
   solve(right_, change);
   changes_.col(j) = Eigen::Map<const Vector>(right_.data(), changes_.rows());
@@ -220,7 +220,7 @@ Matrix KrylovSpace::rows(const std::vector<Reading>& readings) const {
   for (Eigen::Index j = 0; j < dimension_; ++j) {
     z = vectors_.col(j) + changes_.col(j);
     zeta = zetas_.col(j) + zeta_changes_.col(j);
-    w = exosystem_.rows() * zeta;
+    w = exosystem_.values(zeta);
     const double one = zeta[exosystem_.constant()];
     for (std::size_t i = 0; i < readings.size(); ++i) {
       const Reading& value = readings[i];

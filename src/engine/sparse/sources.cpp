@@ -9,18 +9,14 @@ namespace pwlsim::engine::sparse {
 
 Sources::Sources(const model::Network& network)
     : exosystem_(model::source_functions(network), true), phase_(exosystem_.start()), count_(network.sources.size()) {
-  const auto& rows = exosystem_.rows();
-  for (Eigen::Index j = 0; j < rows.cols(); ++j)
-    for (Eigen::Index i = 0; i < rows.rows(); ++i)
-      if (rows(i, j) != 0.0) parts_.push_back({static_cast<int>(i), static_cast<int>(j), rows(i, j)});
   zeta_.assign(static_cast<std::size_t>(exosystem_.size()), 0.0);
 }
 
 void Sources::evaluate(double time, std::vector<double>& w) const {
   exosystem_.evaluate(phase_, time, zeta_.data());
   w.assign(count_, 0.0);
-  for (const StateTerm& part : parts_)
-    w[static_cast<std::size_t>(part.source)] += part.coefficient * zeta_[static_cast<std::size_t>(part.state)];
+  for (const auto& term : exosystem_.terms())
+    w[static_cast<std::size_t>(term.source)] += term.value * zeta_[static_cast<std::size_t>(term.state)];
 }
 
 void Sources::states(double time, std::vector<double>& zeta) const {

@@ -25,14 +25,9 @@ class Sources {
   [[nodiscard]] double shortest_period() const;
 
  private:
-  struct StateTerm {
-    int source, state;
-    double coefficient;
-  };
   model::Exosystem exosystem_;
   model::Exosystem::Phase phase_;
   std::size_t count_ = 0;
-  std::vector<StateTerm> parts_;
   mutable std::vector<double> zeta_;
 };
 

@@ -23,8 +23,8 @@ linalg::Vector after_step(const model::Exosystem& exosystem, double step, const 
 
 void StartChange::take(const std::vector<double>& z, const std::vector<double>& more, const linalg::Vector& zeta, double shift) {
   z_ = z.data();
-  w_ = exosystem_.rows() * zeta;
-  change_ = exosystem_.rows() * after_step(exosystem_, 1.0 / shift, exosystem_.a() * zeta / shift);
+  w_ = exosystem_.values(zeta);
+  change_ = exosystem_.values(after_step(exosystem_, 1.0 / shift, exosystem_.rates(zeta) / shift));
   right_.resize(z.size());
   sizes_.resize(z.size());
   one_ = zeta[exosystem_.constant()];

@@ -48,12 +48,12 @@ bool TieSelector::keep_undecided(const Position& on) {
 void TieSelector::take_next_order(double h) {
   right_.resize(step_.size());
   descriptor_.conduct(step_.data(), right_.data());
-  const linalg::Vector w = exosystem_.rows() * zeta_;
+  const linalg::Vector w = exosystem_.values(zeta_);
   descriptor_.add_sources(w.data(), right_.data());
   for (std::size_t i = 0; i < right_.size(); ++i)
     if (differential_[i] == 0) right_[i] = 0.0;
-  zeta_ = after_step(exosystem_, h, h * (exosystem_.a() * zeta_));
-  const linalg::Vector change = exosystem_.rows() * zeta_;
+  zeta_ = after_step(exosystem_, h, h * exosystem_.rates(zeta_));
+  const linalg::Vector change = exosystem_.values(zeta_);
   descriptor_.add_sources(change.data(), right_.data());
 }
 
@@ -61,7 +61,7 @@ bool TieSelector::decide(const std::vector<double>& z, const std::vector<double>
   const linalg::Vector start = Eigen::Map<const linalg::Vector>(zeta.data(), static_cast<Eigen::Index>(zeta.size()));
   change_.take(z, {}, start, 1.0 / h);
   right_ = change_.right();
-  zeta_ = after_step(exosystem_, h, h * (exosystem_.a() * start));
+  zeta_ = after_step(exosystem_, h, h * exosystem_.rates(start));
   zero_.assign(z.size(), 0.0);
   disputed_ = at_zero_;
   for (int order = 1; order <= most_orders; ++order) {
