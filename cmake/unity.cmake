@@ -3,7 +3,7 @@
 option(PWLSIM_UNITY "Compile the files of a room in groups" OFF)
 set(PWLSIM_FILES_TOGETHER 36)
 
-# g++ then collects garbage less often: an eighth to a fifth of a unit's time for up to 2 GB of memory instead of 1.6, where there is enough for each processor.
+# g++ then collects garbage less often: 3 to 20 % of a unit's time for up to 2.6 GB of memory instead of 2.3, where there is enough for each processor.
 cmake_host_system_information(RESULT PWLSIM_MEMORY QUERY TOTAL_PHYSICAL_MEMORY)  # MiB
 cmake_host_system_information(RESULT PWLSIM_PROCESSORS QUERY NUMBER_OF_LOGICAL_CORES)
 math(EXPR PWLSIM_MEMORY_EACH "${PWLSIM_MEMORY} / ${PWLSIM_PROCESSORS}")

@@ -203,6 +203,7 @@ Factored KluFactor::factor(const std::vector<double>& values) {
   KluOrdering::Handle& handle = *ordering_->handle_;
   auto elimination = std::make_unique<KluOrdering::Elimination>(handle, values);
   ++ordering_->counts.factorizations;
+  // Minimum degree counts on pivots on the diagonal. Where many are zero there, an ordering of columns (COLAMD) that expects any pivot may fill less.
   if (elimination->is_regular() && !handle.by_columns_tried && elimination->fill() > tolerance::most_fill * handle.expected_fill) {
     handle.by_columns_tried = true;
     const BlockOrder usual = handle.order;

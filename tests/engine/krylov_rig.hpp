@@ -1,6 +1,7 @@
 #pragma once
 /// Spaces and runs by exact segments, and circuits for them.
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
@@ -31,6 +32,20 @@ struct Rig {
     space.flow().apply_once(tau, y.data(), work.data());
     space.unknowns(y.data(), result);
     return result;
+  }
+
+  /// No row without a derivative is broken at τ by more than that share of the largest terms of a row.
+  void check_constraints(double tau, double share, bool has_sources = true) {
+    const std::vector<char> differential = descriptor.differential_rows();
+    const std::vector<double> reached = at(tau);
+    std::vector<double> w, rates(z.size()), sizes(z.size());
+    sources.evaluate(tau, w);
+    if (!has_sources) w.assign(w.size(), 0.0);
+    descriptor.rates(reached.data(), w.data(), rates.data());
+    descriptor.rate_sizes(reached.data(), w.data(), sizes.data());
+    const double largest = *std::max_element(sizes.begin(), sizes.end());
+    for (std::size_t i = 0; i < rates.size(); ++i)
+      if (differential[i] == 0) CHECK(std::abs(rates[i]) <= share * largest);
   }
 
   Descriptor descriptor;

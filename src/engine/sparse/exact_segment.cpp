@@ -271,17 +271,17 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start) 
   return build(factors, start, shorter * length, shorter, most_extensions);
 }
 
-/// `factor`: of a length that fails, the next.
-ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start, double length, double factor, int attempts) {
+/// `ratio`: of a length that fails, the next.
+ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start, double length, double ratio, int attempts) {
   for (int tried = 0; tried < attempts && length > tolerance::shortest_segment * stop_ && !(length > stop_); ++tried) {
     const double shift = shift_for(length);
     bool is_begun = false;
     is_rejected_ = rejects_early_ && is_wrong_by_signs(factors, shift, start, is_begun);
     if (is_rejected_) return Opened::yes;
     if (!is_begun) {
-      const Factor* factor_at = factors.at(shift, start.on);
-      if (!factor_at) return Opened::singular;
-      if (space_.begin(*factor_at, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes)
+      const Factor* factor = factors.at(shift, start.on);
+      if (!factor) return Opened::singular;
+      if (space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes)
         return Opened::contradicted;
     }
     if (!std::isfinite(space_.start_size())) return Opened::unresolved;
@@ -297,7 +297,7 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start, 
       stretch(start.longest);
       return Opened::yes;
     }
-    if (shift_for(length) == shift) length *= factor;  // else it has learnt of decays of all rates
+    if (shift_for(length) == shift) length *= ratio;  // else it has learnt of decays of all rates
   }
   return Opened::unresolved;
 }

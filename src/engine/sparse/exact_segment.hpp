@@ -151,7 +151,7 @@ class ExactSegment {
   [[nodiscard]] static std::string key(const Position& on) { return {on.begin(), on.end()}; }
   [[nodiscard]] double shift_for(double length);
   [[nodiscard]] Opened build(Factors& factors, const Origin& start);
-  [[nodiscard]] Opened build(Factors& factors, const Origin& start, double length, double factor, int attempts);
+  [[nodiscard]] Opened build(Factors& factors, const Origin& start, double length, double ratio, int attempts);
   [[nodiscard]] bool resolve();
   [[nodiscard]] int first_dimension() const;
   [[nodiscard]] int expected_vectors() const;
@@ -203,7 +203,7 @@ class ExactSegment {
   std::vector<int> negative_, rising_, free_, idle_;
   std::vector<std::vector<int>> beside_;  ///< of each port those in parallel
   std::vector<double> zeta_, y_, work_;
-  bool nothing_flows_ = false;  ///< through ports, but for rounding
+  bool nothing_flows_ = false;                   ///< through ports, but for rounding
   double node_terms_ = 0.0, input_terms_ = 0.0;  ///< of the largest voltage, and of the largest input
   linalg::Matrix signal_rows_;
   std::vector<double> signal_constants_;

@@ -54,22 +54,22 @@ void ExactSegment::drop_empty_guards() {
   node_terms_ = space_.largest_terms().voltage;
   input_terms_ = space_.largest_terms(descriptor_.ports().front().row, static_cast<int>(descriptor_.ports().size()));
   const auto reach = [&](int row) { return mode_->guards.row(row).cwiseAbs().dot(space_.reach()); };
+  const auto is_on = [&](int row) { return on_[static_cast<std::size_t>(row)] != 0; };
   double input = least_voltage_;
   for (const int row : segment_.rows)
-    if (on_[static_cast<std::size_t>(row)] != 0) input = std::max(input, reach(row));
+    if (is_on(row)) input = std::max(input, reach(row));
   const double voltage = std::max(voltage_, least_voltage_);
-  const auto is_on = [&](int row) { return on_[static_cast<std::size_t>(row)] != 0; };
   nothing_flows_ =
       std::none_of(segment_.rows.begin(), segment_.rows.end(), [&](int row) { return is_on(row) && reach(row) > node_rounding(row); });
   free_.clear();
   idle_.clear();
   std::erase_if(segment_.rows, [&](int row) {
     const bool is_short = is_short_circuited(row);
-    const double size = on_[static_cast<std::size_t>(row)] != 0 ? input : voltage;
+    const double size = is_on(row) ? input : voltage;
     const bool is_empty = is_short || reach(row) <= std::min(std::max(tolerance::empty_row * terms_of(row), node_rounding(row)),
                                                              tolerance::largest_empty_row * size);
-    if (is_empty && on_[static_cast<std::size_t>(row)] != 0) idle_.push_back(row);
-    if (is_empty && on_[static_cast<std::size_t>(row)] == 0 && (is_short || node_terms_ > least_voltage_)) free_.push_back(row);
+    if (is_empty && is_on(row)) idle_.push_back(row);
+    if (is_empty && !is_on(row) && (is_short || node_terms_ > least_voltage_)) free_.push_back(row);
     return is_empty;
   });
 }

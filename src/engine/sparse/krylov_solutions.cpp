@@ -30,9 +30,7 @@ void KrylovSpace::add_sources(const Vector& zeta, std::vector<double>& r) const 
 }
 
 /// Closing rows of a right-hand side.
-void KrylovSpace::close(const Vector& zeta, std::vector<double>& r) const {
-  const Vector w = exosystem_.values(zeta);
-  const double one = zeta[exosystem_.constant()];
+void KrylovSpace::close(const Vector& w, double one, std::vector<double>& r) const {
   for (std::size_t i = 0; i < on_.size(); ++i) {
     const DescriptorPort& port = descriptor_.ports()[i];
     const double given = source_part(port.slack, w, one);
@@ -41,9 +39,9 @@ void KrylovSpace::close(const Vector& zeta, std::vector<double>& r) const {
   }
 }
 
-/// r := the unknowns; ζ goes with them.
-void KrylovSpace::solve(std::vector<double>& r, const Vector& zeta) {
-  close(zeta, r);
+/// r := the unknowns; sources w and ζ₁ go with them.
+void KrylovSpace::solve(std::vector<double>& r, const Vector& w, double one) {
+  close(w, one, r);
   given_ = r;
   factor_->solve(r);
   if (refines_ && !factor_->closing() && factor_->ties().empty()) {
@@ -51,14 +49,12 @@ void KrylovSpace::solve(std::vector<double>& r, const Vector& zeta) {
     factor_->solve(product_);
     for (std::size_t i = 0; i < r.size(); ++i) r[i] += product_[i];
   }
-  settle(r, zeta);
+  settle(r, w, one);
   resting_.hold(r);
 }
 
 /// What the factor leaves open or only nearly holds in a solution.
-void KrylovSpace::settle(std::vector<double>& z, const Vector& zeta) {
-  const Vector w = exosystem_.values(zeta);
-  const double one = zeta[exosystem_.constant()];
+void KrylovSpace::settle(std::vector<double>& z, const Vector& w, double one) {
   if (factor_->closing()) return correct(z, w, one);
   if (!factor_->ties().empty()) return share_out(z, w, one);
   for (std::size_t i = 0; i < on_.size(); ++i)
@@ -109,14 +105,13 @@ void KrylovSpace::share_out(std::vector<double>& z, const Vector& w, double one)
 }
 
 /// Whether what a position holds at zero is not.
-bool KrylovSpace::contradicts(const std::vector<double>& z, const Vector& zeta) const {
+bool KrylovSpace::contradicts(const std::vector<double>& z, const Vector& w, double one) const {
   if (!factor_->closing() && factor_->ties().empty()) return false;
-  const Vector w = exosystem_.values(zeta);
   const double size = std::max(least_, largest(z));
   for (std::size_t i = 0; i < on_.size(); ++i) {
     const DescriptorPort& port = descriptor_.ports()[i];
-    const double rest = on_[i] != 0 ? Form::sum(port.slack.z, z.data()) + source_part(port.slack, w, zeta[exosystem_.constant()])
-                                    : z[static_cast<std::size_t>(port.row)];
+    const double rest =
+        on_[i] != 0 ? Form::sum(port.slack.z, z.data()) + source_part(port.slack, w, one) : z[static_cast<std::size_t>(port.row)];
     if (!(std::abs(rest) <= tolerance::held_row * size)) return true;
   }
   return false;

@@ -70,9 +70,11 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   rounding_ = is_refined_ ? rounding_of(right_, tolerance::first_solution * size) : 0.0;
   for (std::size_t i = 0; i < right_.size(); ++i) right_[i] += start.z[i];
   rounding_ = std::hypot(rounding_, rounding_of_sums(right_));
-  settle(right_, zeta);
+  const Vector w = exosystem_.values(zeta);
+  const double one = zeta[exosystem_.constant()];
+  settle(right_, w, one);
   resting_.hold(right_);
-  if (contradicts(right_, zeta)) return Begun::contradicted;
+  if (contradicts(right_, w, one)) return Begun::contradicted;
   reserve(1);
   Vector x(measured_.rows());
   zeta_weight_ = 0.0;
@@ -115,7 +117,7 @@ void KrylovSpace::apply(int j) {
     if (differential_[i] == 0) right_[i] = 0.0;
   const Vector w = exosystem_.values(change);
   descriptor_.add_sources(w.data(), right_.data());
-  solve(right_, change);
+  solve(right_, w, change[exosystem_.constant()]);
   changes_.col(j) = Eigen::Map<const Vector>(right_.data(), changes_.rows());
   note_largest(vectors_, 0, j);
   note_largest(changes_, 2, j);

@@ -118,14 +118,14 @@ class KrylovSpace {
 
  private:
   void begin_change(const Origin& start, const linalg::Vector& zeta);
-  void solve(std::vector<double>& r, const linalg::Vector& zeta);
-  void settle(std::vector<double>& z, const linalg::Vector& zeta);
+  void solve(std::vector<double>& r, const linalg::Vector& w, double one);
+  void settle(std::vector<double>& z, const linalg::Vector& w, double one);
   void correct(std::vector<double>& z, const linalg::Vector& w, double one);
   void share_out(std::vector<double>& z, const linalg::Vector& w, double one) const;
   void add_sources(const linalg::Vector& zeta, std::vector<double>& r) const;
-  void close(const linalg::Vector& zeta, std::vector<double>& r) const;
+  void close(const linalg::Vector& w, double one, std::vector<double>& r) const;
   [[nodiscard]] double source_part(const Form& form, const linalg::Vector& w, double one) const;
-  [[nodiscard]] bool contradicts(const std::vector<double>& z, const linalg::Vector& zeta) const;
+  [[nodiscard]] bool contradicts(const std::vector<double>& z, const linalg::Vector& w, double one) const;
   void measure(const std::vector<double>& z, const linalg::Vector& zeta, double* x) const;
   [[nodiscard]] double largest_conducted(const std::vector<double>& z) const;
   [[nodiscard]] double rounding_of_states(const std::vector<double>& z);

@@ -167,9 +167,10 @@ bool PartRun::share_freely() {
   Position shared = on;
   for (const int port : segment_->free_ports()) shared[static_cast<std::size_t>(port)] = 1;
   descriptor_.hold_blocked(shared);
+  if (shared == on || !factors_.may_share(on, shared)) return true;
   std::string flows(on.begin(), on.end());  // what others that carry nothing could share, they may carry the next time
   for (const int port : segment_->idle_ports()) flows[static_cast<std::size_t>(port)] = idle_mark;
-  if (shared == on || !factors_.may_share(on, shared) || unshared_.contains(flows)) return true;
+  if (unshared_.contains(flows)) return true;
   std::vector<int> free = segment_->free_ports();
   bool fits = false;
   while (!fits && !free.empty()) {
