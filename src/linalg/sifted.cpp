@@ -7,28 +7,17 @@ namespace pwlsim::linalg {
 
 Sifter::Sifter(const SparsePattern& pattern, const BlockOrder& order) : pattern_(pattern), order_(order) {
   const std::size_t n = index(pattern.size);
-  row_start_.assign(n + 1, 0);
-  for (const int row : pattern.row) ++row_start_[index(row) + 1];
-  for (std::size_t i = 0; i < n; ++i) row_start_[i + 1] += row_start_[i];
-  column_of_row_.resize(pattern.entries());
-  entry_of_row_.resize(pattern.entries());
-  std::vector<int> next(row_start_.begin(), row_start_.end() - 1);
-  for (int j = 0; j < pattern.size; ++j)
-    for (int e = pattern.start[index(j)]; e < pattern.start[index(j) + 1]; ++e) {
-      const int place = next[index(pattern.row[index(e)])]++;
-      column_of_row_[index(place)] = j;
-      entry_of_row_[index(place)] = e;
-    }
+  by_rows_ = transposed(pattern, pattern.size, entry_by_rows_);
   block_of_row_.resize(n);
-  row_of_column_in_order_.resize(n);
-  column_of_row_in_order_.resize(n);
-  block_of_row_in_order_.resize(n);
+  row_in_order_.resize(n);
+  column_in_order_.resize(n);
+  block_in_order_.resize(n);
   for (std::size_t b = 0; b + 1 < order.block.size(); ++b)
     for (int k = order.block[b]; k < order.block[b + 1]; ++k) {
       const int row = order.row[index(k)], column = order.column[index(k)];
-      row_of_column_in_order_[index(column)] = row;
-      column_of_row_in_order_[index(row)] = column;
-      block_of_row_in_order_[index(row)] = static_cast<int>(b);
+      row_in_order_[index(column)] = row;
+      column_in_order_[index(row)] = column;
+      block_in_order_[index(row)] = static_cast<int>(b);
     }
 }
 
@@ -73,9 +62,9 @@ void Sifter::take_single_rows(const std::vector<double>& values) {
     const int row = single_rows_[k];
     is_row_taken_[index(row)] = 1;
     int column = -1;
-    for (int p = row_start_[index(row)]; p < row_start_[index(row) + 1]; ++p)
-      if (values[index(entry_of_row_[index(p)])] != 0.0 && is_column_taken_[index(column_of_row_[index(p)])] == 0)
-        column = column_of_row_[index(p)];
+    for (int p = by_rows_.start[index(row)]; p < by_rows_.start[index(row) + 1]; ++p)
+      if (values[index(entry_by_rows_[index(p)])] != 0.0 && is_column_taken_[index(by_rows_.row[index(p)])] == 0)
+        column = by_rows_.row[index(p)];
     single_columns_.push_back(column);
     if (column < 0) return;  // two rows with the same single entry
     is_column_taken_[index(column)] = 1;
@@ -88,17 +77,16 @@ void Sifter::take_single_rows(const std::vector<double>& values) {
 
 /// Single rows go with the only columns they can, and those that the order has in these places with each other.
 bool Sifter::match_single_rows() {
-  row_of_column_ = row_of_column_in_order_;
-  column_of_row_now_ = column_of_row_in_order_;
+  row_of_column_ = row_in_order_;
+  column_of_row_ = column_in_order_;
   for (std::size_t k = 0; k < single_rows_.size(); ++k) {
     const int row = single_rows_[k], column = single_columns_[k];
-    if (column < 0 || block_of_row_in_order_[index(row)] != block_of_row_in_order_[index(row_of_column_in_order_[index(column)])])
-      return false;
-    const int other_column = column_of_row_now_[index(row)], other_row = row_of_column_[index(column)];
+    if (column < 0 || block_in_order_[index(row)] != block_in_order_[index(row_in_order_[index(column)])]) return false;
+    const int other_column = column_of_row_[index(row)], other_row = row_of_column_[index(column)];
     row_of_column_[index(other_column)] = other_row;
-    column_of_row_now_[index(other_row)] = other_column;
+    column_of_row_[index(other_row)] = other_column;
     row_of_column_[index(column)] = row;
-    column_of_row_now_[index(row)] = column;
+    column_of_row_[index(row)] = column;
   }
   return true;
 }

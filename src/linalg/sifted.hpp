@@ -44,12 +44,14 @@ class Sifter {
 
   const SparsePattern& pattern_;
   const BlockOrder& order_;
-  std::vector<int> row_start_, column_of_row_, entry_of_row_;  ///< the pattern by rows
-  std::vector<int> entries_left_;                              ///< of each row, in columns that are not taken
+  SparsePattern by_rows_;           ///< rows as columns
+  std::vector<int> entry_by_rows_;  ///< the number of each of its entries in the pattern
+  std::vector<int> entries_left_;   ///< of each row, in columns that are not taken
   std::vector<char> is_row_taken_, is_column_taken_;
-  std::vector<int> single_rows_, single_columns_;  ///< in the order in which they were found
-  std::vector<int> row_of_column_in_order_, column_of_row_in_order_, block_of_row_in_order_;
-  std::vector<int> row_of_column_, column_of_row_now_;  ///< the same without the single rows
+  std::vector<int> single_rows_, single_columns_;    ///< in the order in which they were found
+  std::vector<int> row_in_order_, column_in_order_;  ///< of each column the row in the same place of the order, and the other way round
+  std::vector<int> block_in_order_;                  ///< of each row
+  std::vector<int> row_of_column_, column_of_row_;   ///< as in the order, but for single rows
   std::vector<int> block_of_row_;
 };
 

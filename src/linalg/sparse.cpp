@@ -45,25 +45,32 @@ SparseMatrix without_zeros(const SparsePattern& pattern, const std::vector<doubl
   return result;
 }
 
-SparseMatrix transposed(const SparseMatrix& matrix, int rows) {
-  const SparsePattern& p = matrix.pattern;
-  SparseMatrix result;
-  result.pattern.size = rows;
-  result.pattern.start.assign(static_cast<std::size_t>(rows) + 1, 0);
-  for (const int row : p.row)
-    if (row < rows) ++result.pattern.start[static_cast<std::size_t>(row) + 1];
-  std::partial_sum(result.pattern.start.begin(), result.pattern.start.end(), result.pattern.start.begin());
-  std::vector<int> next = result.pattern.start;
-  result.pattern.row.resize(static_cast<std::size_t>(next.back()));
-  result.values.resize(static_cast<std::size_t>(next.back()));
-  for (int j = 0; j < p.size; ++j)
-    for (auto k = static_cast<std::size_t>(p.start[static_cast<std::size_t>(j)]);
-         k < static_cast<std::size_t>(p.start[static_cast<std::size_t>(j) + 1]); ++k) {
-      if (p.row[k] >= rows) continue;
-      const auto place = static_cast<std::size_t>(next[static_cast<std::size_t>(p.row[k])]++);
-      result.pattern.row[place] = j;
-      result.values[place] = matrix.values[k];
+SparsePattern transposed(const SparsePattern& pattern, int rows, std::vector<int>& entry) {
+  SparsePattern result;
+  result.size = rows;
+  result.start.assign(index(rows) + 1, 0);
+  for (const int row : pattern.row)
+    if (row < rows) ++result.start[index(row) + 1];
+  std::partial_sum(result.start.begin(), result.start.end(), result.start.begin());
+  std::vector<int> next = result.start;
+  result.row.resize(index(next.back()));
+  entry.resize(index(next.back()));
+  for (int j = 0; j < pattern.size; ++j)
+    for (int k = pattern.start[index(j)]; k < pattern.start[index(j) + 1]; ++k) {
+      const int row = pattern.row[index(k)];
+      if (row >= rows) continue;
+      const std::size_t place = index(next[index(row)]++);
+      result.row[place] = j;
+      entry[place] = k;
     }
+  return result;
+}
+
+SparseMatrix transposed(const SparseMatrix& matrix, int rows) {
+  std::vector<int> entry;
+  SparseMatrix result{transposed(matrix.pattern, rows, entry), {}};
+  result.values.reserve(entry.size());
+  for (const int k : entry) result.values.push_back(matrix.values[index(k)]);
   return result;
 }
 

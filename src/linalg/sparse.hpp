@@ -40,6 +40,8 @@ struct SparseMatrix {
 };
 /// Without the entries that are zero.
 [[nodiscard]] SparseMatrix without_zeros(const SparsePattern& pattern, const std::vector<double>& values);
+/// The first rows of a pattern as columns, and for each entry of them the number of the same one in the pattern.
+[[nodiscard]] SparsePattern transposed(const SparsePattern& pattern, int rows, std::vector<int>& entry);
 /// Its first rows as columns.
 [[nodiscard]] SparseMatrix transposed(const SparseMatrix& matrix, int rows);
 

@@ -203,9 +203,14 @@ void Exosystem::fill_matrices(int sources) {
 }
 
 linalg::Vector Exosystem::values(const linalg::Vector& zeta) const {
-  linalg::Vector w = linalg::Vector::Zero(rows_.rows());
-  for (const Term& term : terms_) w[term.source] += term.value * zeta[term.state];
+  linalg::Vector w(rows_.rows());
+  values(zeta.data(), w.data());
   return w;
+}
+
+void Exosystem::values(const double* zeta, double* w) const {
+  std::fill(w, w + rows_.rows(), 0.0);
+  for (const Term& term : terms_) w[term.source] += term.value * zeta[term.state];
 }
 
 linalg::Vector Exosystem::rates(const linalg::Vector& zeta) const {

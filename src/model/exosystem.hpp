@@ -99,15 +99,10 @@ class Exosystem {
   [[nodiscard]] double fastest() const;
   /// w_source = row · ζ.
   [[nodiscard]] const linalg::Matrix& rows() const { return rows_; }
-  /// An entry of `rows` that is not zero.
-  struct Term {
-    int source, state;
-    double value;
-  };
-  /// All of them, by states.
-  [[nodiscard]] const std::vector<Term>& terms() const { return terms_; }
-  /// w = C_w ζ by the terms: of many sources each reads few states.
+  /// w = C_w ζ, without the zeros of C_w: of many sources each reads few states.
   [[nodiscard]] linalg::Vector values(const linalg::Vector& zeta) const;
+  /// The same into an array of all sources.
+  void values(const double* zeta, double* w) const;
   /// ζ' = A_w ζ, block by block.
   [[nodiscard]] linalg::Vector rates(const linalg::Vector& zeta) const;
 
@@ -158,8 +153,12 @@ class Exosystem {
   void fill_matrices(int sources);
   void refresh_next(Phase& phase) const;
 
+  struct Term {
+    int source, state;
+    double value;
+  };
   linalg::Matrix a_, rows_;
-  std::vector<Term> terms_;
+  std::vector<Term> terms_;  ///< entries of `rows_` that are not zero, by states
   bool curved_ = false;
   std::vector<Block> blocks_;
   std::vector<TrackBlock> tracks_;

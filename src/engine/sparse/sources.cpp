@@ -14,9 +14,8 @@ Sources::Sources(const model::Network& network)
 
 void Sources::evaluate(double time, std::vector<double>& w) const {
   exosystem_.evaluate(phase_, time, zeta_.data());
-  w.assign(count_, 0.0);
-  for (const auto& term : exosystem_.terms())
-    w[static_cast<std::size_t>(term.source)] += term.value * zeta_[static_cast<std::size_t>(term.state)];
+  w.resize(count_);
+  exosystem_.values(zeta_.data(), w.data());
 }
 
 void Sources::states(double time, std::vector<double>& zeta) const {
