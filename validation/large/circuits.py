@@ -4,7 +4,7 @@
     circuits.py cockcroft_walton STAGES      2 capacitors and 2 diodes a stage, loaded; 50 Hz, 0.4 s
     circuits.py multilevel SUBMODULES        one phase leg, SUBMODULES half bridges with body diodes in each of two arms
     circuits.py solar SIDE                   SIDE x SIDE cells in strings, a bypass diode each, a string diode each, a part in the shade
-    circuits.py grid SIDE RECTIFIERS         SIDE x SIDE nodes of R and C to ground, fed at RECTIFIERS points by half-wave rectifiers
+    circuits.py grid SIDE RECTIFIERS [US]    SIDE x SIDE nodes of R and C to ground, fed at RECTIFIERS points by half-wave rectifiers; for US microseconds (2000)
     circuits.py mesh SIDE                    SIDE x SIDE nodes joined by diodes, a capacitor at each
     circuits.py ladder SECTIONS              SECTIONS of R and C, a rectified sine at the begin
     circuits.py line SECTIONS                SECTIONS of L and C without loss, a step at the begin, a diode that clamps the end
@@ -96,7 +96,7 @@ def solar(side):
     yield ".tran 50u 5m uic"
 
 
-def grid(side, rectifiers):
+def grid(side, rectifiers, microseconds=2000):
     yield f"RC grid of {side} x {side} nodes fed by {rectifiers} rectifiers"
     for i in range(side):
         for j in range(side):
@@ -114,7 +114,7 @@ def grid(side, rectifiers):
         yield f"RS{r} v{r} w{r} 0.5"
         yield f"D{r} w{r} n{i}_{j} DI"
     yield f".save v(n0_0) v(n{side // 2}_{side // 2}) v(n{side - 1}_{side - 1})"
-    yield ".tran 10u 2m uic"
+    yield f".tran 10u {microseconds}u uic"
 
 
 def mesh(side):

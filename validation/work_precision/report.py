@@ -3,17 +3,22 @@ import platform
 import re
 import statistics
 import subprocess
+import sys
 from pathlib import Path
 
 import cases
 import longer
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "validation"))
+
+import diagrams  # noqa: E402
+
 DOCS = ROOT / "docs" / "validation"
 PICTURES = DOCS / "work-precision"
 FLOOR = 1e-17  # an error of 0 is drawn here
-PROGRAMS = [("pwlsim exact", "#1f5fbf", 7), ("pwlsim sparse", "#1b7f3b", 9), ("ngspice", "#d1480a", 5), ("gnucap", "#7a3fa0", 13),
-            ("siconos", "#b58900", 11)]
+MARKS = {"pwlsim exact": 7, "pwlsim sparse": 9, "ngspice": 5, "gnucap": 13, "siconos": 11}
+PROGRAMS = [(program, colour, MARKS[program]) for program, colour in diagrams.COLOURS.items()]
 TARGETS = (1e-3, 1e-4)
 PROFILE_TARGETS = (1e-3, 1e-6)
 LONGEST_FACTOR = 1e5
@@ -26,25 +31,18 @@ def of(points, case, program):
 
 
 # ---- diagrams
-def gnuplot(name, points, front):
+def work_precision(name, points, front):
     """Small dots are all settings, lines the front that no setting beats."""
-    blocks, plots = [], []
+    series = []
     for program, colour, mark in PROGRAMS:
         good = [p for p in of(points, name, program) if p.error is not None]
-        if not good:
-            continue
-        for index, chosen in enumerate((good, front(good))):
-            label = f"$data{len(plots)}"
-            blocks.append(f"{label} << EOD\n" + "\n".join(f"{p.seconds:.6g} {max(p.error, FLOOR):.6g}" for p in chosen) + "\nEOD")
-            style = f"points pt {mark} ps 0.3 lc rgb '{colour}' notitle" if index == 0 else f"linespoints lw 2 pt {mark} ps 0.8 lc rgb '{colour}' title '{program}'"
-            plots.append(f"{label} with {style}")
-    if not plots:
-        return
-    for terminal, ending in (("svg size 640,420 font 'sans,12' background rgb 'white'", "svg"), ("pngcairo size 960,630 font 'sans,12'", "png")):
-        script = "\n".join([f"set terminal {terminal}", f"set output '{PICTURES / (name + '.' + ending)}'", *blocks,
-                            "set logscale xy; set format '10^{%L}'; set ytics 1e3; set yrange [1e-17:10]; set grid lc rgb '#dddddd'; set key outside right top",
-                            f"set xlabel 'run time (s)'; set ylabel 'error'; set title '{name.replace('_', ' ')}'", "plot " + ", ".join(plots)])
-        subprocess.run(["gnuplot"], input=script, text=True, check=True, stderr=subprocess.DEVNULL)
+        if good:
+            dots, line = ([(p.seconds, max(p.error, FLOOR)) for p in chosen] for chosen in (good, front(good)))
+            series += [(dots, f"points pt {mark} ps 0.3 lc rgb '{colour}' notitle"), (line, f"linespoints lw 2 pt {mark} ps 0.8 lc rgb '{colour}' title '{program}'")]
+    if series:
+        settings = ("set logscale xy; set format '10^{%L}'; set ytics 1e3; set yrange [1e-17:10]; set key outside right top; "
+                    f"set xlabel 'run time (s)'; set ylabel 'error'; set title '{name.replace('_', ' ')}'")
+        diagrams.draw(PICTURES / f"{name}.svg", (640, 420), settings, [("", series)])
 
 
 # ---- the performance profile
@@ -62,22 +60,18 @@ def ratios_to_best(points, target):
 
 def profile(points):
     """Share of the circuits that a program solves within a factor of the fastest (Dolan and Moré 2002, Mathematical Programming 91, 201-213)."""
-    blocks, panels = [], []
+    panels = []
     for column, target in enumerate(PROFILE_TARGETS):
         ratios, solved = ratios_to_best(points, target)
-        plots = []
+        series = []
         for program, colour, _ in PROGRAMS:
-            label, steps = f"$data{column}{len(plots)}", sorted(ratios[program])
+            steps = sorted(ratios[program])
             rows = [(1.0, 0.0), *((factor, (k + 1) / solved) for k, factor in enumerate(steps)), (LONGEST_FACTOR, len(steps) / solved)]
-            blocks.append(f"{label} << EOD\n" + "\n".join(f"{x:.6g} {y:.6g}" for x, y in rows) + "\nEOD")
-            plots.append(f"{label} with steps lw 2 lc rgb '{colour}' title '{program}'")
-        panels.append(f"set title 'error of at most {target:.0e}, {solved} circuits'\n" + ("unset key" if column == 0 else "set key at graph 0.97, 0.94") + "\nplot " + ", ".join(plots))
-    for terminal, ending in (("svg size 900,380 font 'sans,12' background rgb 'white'", "svg"), ("pngcairo size 1350,570 font 'sans,12'", "png")):
-        script = "\n".join([f"set terminal {terminal}", f"set output '{PICTURES / ('performance-profile.' + ending)}'", *blocks,
-                            f"set logscale x; set format x '10^{{%L}}'; set xrange [1:{LONGEST_FACTOR:g}]; set yrange [0:1.02]; set grid lc rgb '#dddddd'",
-                            "set xlabel 'run time over that of the fastest program'; set ylabel 'share of the circuits'",
-                            f"set multiplot layout 1,{len(panels)}", *panels, "unset multiplot"])
-        subprocess.run(["gnuplot"], input=script, text=True, check=True, stderr=subprocess.DEVNULL)
+            series.append((rows, f"steps lw 2 lc rgb '{colour}' title '{program}'"))
+        panels.append((f"set title 'error of at most {target:.0e}, {solved} circuits'\n" + ("unset key" if column == 0 else "set key at graph 0.97, 0.94"), series))
+    settings = (f"set logscale x; set format x '10^{{%L}}'; set xrange [1:{LONGEST_FACTOR:g}]; set yrange [0:1.02]; "
+                "set xlabel 'run time over that of the fastest program'; set ylabel 'share of the circuits'")
+    diagrams.draw(PICTURES / "performance-profile.svg", (900, 380), settings, panels)
 
 
 # ---- the table
@@ -261,6 +255,6 @@ def table(points):
 def write(points, front):
     PICTURES.mkdir(parents=True, exist_ok=True)
     for name in sorted({p.case for p in points}):
-        gnuplot(name, points, front)
+        work_precision(name, points, front)
     profile(points)
     (DOCS / "report.md").write_text("\n".join(head(points) + table(points)).rstrip("\n") + "\n", encoding="utf-8")
