@@ -125,7 +125,8 @@ PreparedEngine prepare_segments(const model::Network& network, EngineChoice choi
   };
   const Simulate segments = segment_run(model);
   // Empty: what segments do not solve is not solved.
-  const Simulate other = steps ? by_steps : reason.empty() ? dense.simulate : Simulate{};
+  const bool modes = reason.empty() || !model::has_passive_parts_only(network);
+  const Simulate other = steps ? by_steps : modes ? dense.simulate : Simulate{};
   const auto why = [=](const engine::Answer& failed) {
     return engine::Remark{"N-other-engine", fmt::format("Krylov segments found no solution at t = {}; the whole run was repeated {}",
                                                         quantity(failed.time, "s"), steps ? "with the sparse engine" : "with dense modes")};
@@ -186,8 +187,8 @@ bool has_modes(const model::Network& network, EngineChoice choice) {
 }
 
 bool runs_by_segments(const model::Network& network, EngineChoice choice) {
-  return (choice == EngineChoice::exact || choice == EngineChoice::automatic) && engine::sparse::largest_part(network) > most_in_modes &&
-         model::has_passive_parts_only(network);
+  if (choice != EngineChoice::exact && choice != EngineChoice::automatic) return false;
+  return model::has_passive_parts_only(network) ? engine::sparse::largest_part(network) > most_in_modes : !too_large(network).empty();
 }
 
 PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics) {

@@ -23,7 +23,7 @@ struct PreparedEngine {
 };
 
 /// `auto` and `exact` take Krylov segments for passive networks whose largest part has more stores, diodes and switches: building dense modes then takes longer than most runs
-/// (docs/developer/performance.md).
+/// (docs/developer/performance.md). Other networks have dense modes, which examine whether their solution is unique, unless these would take more than seconds.
 inline constexpr std::size_t most_in_modes = 100;
 
 /// The tolerance of the sparse engine: as requested, else `.options reltol=`, else its default.

@@ -129,6 +129,8 @@ DeckRun run_text_with_leaks_as_written(const std::string& text) { return run_mem
 
 DeckRun run_text(const std::string& text, bool events) { return run_memory(text, exact(events)); }
 
+DeckRun run_text_segments(const std::string& text) { return run_memory(text, by_segments); }
+
 DeckRun run_text_sparse(const std::string& text, double reltol, bool events) { return run_memory(text, sparse(reltol, events)); }
 
 }  // namespace pwlsim::test

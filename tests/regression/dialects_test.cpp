@@ -320,8 +320,7 @@ TEST_CASE(".ic of zero agrees with sources in series that cancel to rounding", "
     REQUIRE(run.answer.outcome == engine::Outcome::completed);
     check(run, "v(d)", 1e-5, [](double t) { return 5.0 * std::exp(-t); });
   }
-  for (const DeckRun& run : {run_text(cards + wrong), run_text_sparse(cards + wrong, 1e-6)})
-    CHECK(run.answer.id == "E-ic-contradiction");
+  for (const DeckRun& run : {run_text(cards + wrong), run_text_sparse(cards + wrong, 1e-6)}) CHECK(run.answer.id == "E-ic-contradiction");
 }
 
 // The source's 1 V charges the capacitor that ic=0 says is empty.

@@ -1,4 +1,4 @@
-/// The decks of passive parts by exact segments (`--engine krylov`), against the same references as the exact engine.
+/// Decks by exact segments (`--engine krylov`), against the same references as the exact engine.
 #include <catch2/catch.hpp>
 
 #include "regression/comparison.hpp"
@@ -10,13 +10,12 @@ using namespace pwlsim::test;
 namespace {
 
 constexpr double bound = 3e-8;  ///< of a signal's largest value
-
-bool is_of_passive_parts(const DeckRun& run) { return run.answer.message.find("runs passive networks only") == std::string::npos; }
+constexpr const char* several_solutions = "case08";
 
 void check_deck(const std::filesystem::path& deck) {
+  if (deck.stem() == several_solutions) return;
   INFO(deck.stem().string());
   const DeckRun run = run_deck_segments(deck);
-  if (!is_of_passive_parts(run)) return;
   INFO(run.answer.id << " " << run.answer.message);
   REQUIRE(run.messages.empty());
   REQUIRE(run.answer.outcome == pwlsim::engine::Outcome::completed);

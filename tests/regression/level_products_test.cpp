@@ -29,12 +29,12 @@ const Case cases[] = {
     {"V(p)^2", [](double t) { return high(t, 0.0) ? 25.0 : 0.0; }},
     {"V(p)*V(q)*V(s)", [](double t) { return high(t, 0.0) && high(t, 2e-6) ? 10.0 * sine(t) : 0.0; }},
     {"V(vcc)*V(s)", [](double t) { return 12.0 * sine(t); }},
-    {"V(c)*V(s)", [](double t) { return sine(t) > 1.0 ? 5.0 * sine(t) : 0.0; }},                        // a comparison
-    {"V(both)*V(s)", [](double t) { return high(t, 0.0) || high(t, 2e-6) ? 2.0 * sine(t) : 0.0; }},     // logic of comparisons
-    {"V(g)*V(s)", [](double t) { return high(t, 0.0) && high(t, 2e-6) ? 3.0 * sine(t) : 0.0; }},        // an AND device
-    {"V(n)*V(s)", [](double t) { return high(t, 0.0) ? 0.0 : sine(t); }},                               // a complement
-    {"V(e)*V(s)", [](double t) { return high(t, 0.0) ? -9.0 * sine(t) : sine(t); }},                    // 1 - 2·v(p), by E
-    {"V(t)*V(s)", [](double t) { return high(t, 0.0) ? 17.0 * sine(t) : 12.0 * sine(t); }},             // on top of 12 V
+    {"V(c)*V(s)", [](double t) { return sine(t) > 1.0 ? 5.0 * sine(t) : 0.0; }},                     // a comparison
+    {"V(both)*V(s)", [](double t) { return high(t, 0.0) || high(t, 2e-6) ? 2.0 * sine(t) : 0.0; }},  // logic of comparisons
+    {"V(g)*V(s)", [](double t) { return high(t, 0.0) && high(t, 2e-6) ? 3.0 * sine(t) : 0.0; }},     // an AND device
+    {"V(n)*V(s)", [](double t) { return high(t, 0.0) ? 0.0 : sine(t); }},                            // a complement
+    {"V(e)*V(s)", [](double t) { return high(t, 0.0) ? -9.0 * sine(t) : sine(t); }},                 // 1 - 2·v(p), by E
+    {"V(t)*V(s)", [](double t) { return high(t, 0.0) ? 17.0 * sine(t) : 12.0 * sine(t); }},          // on top of 12 V
     {"V(p,q)*V(s)", [](double t) { return ((high(t, 0.0) ? 5.0 : 0.0) - (high(t, 2e-6) ? 2.0 : 0.0)) * sine(t); }},
     {"(V(p)+V(s))*V(q)", [](double t) { return high(t, 2e-6) ? 2.0 * ((high(t, 0.0) ? 5.0 : 0.0) + sine(t)) : 0.0; }},
     {"max(V(p)*V(s),1)", [](double t) { return std::max(high(t, 0.0) ? 5.0 * sine(t) : 0.0, 1.0); }},
@@ -50,7 +50,8 @@ constexpr const char* frame =
     "two levels\nV1 p 0 PULSE(0 5 0 0 0 5u 10u)\nV2 q 0 PULSE(0 2 2u 0 0 5u 10u)\nV3 r 0 PULSE(-1 4 2u 1n 1n 5u 10u)\n"
     "V4 s 0 SIN(0 3 20k)\nV5 vcc 0 12\nV6 t vcc PULSE(0 5 0 0 0 5u 10u)\nV7 three 0 PWL(0 0 1u 0 1u 1 2u 1 2u 2)\n"
     "Bc c 0 V=if(V(s)>1,5,0)\nBb both 0 V=2*((V(p)>1)|(V(q)>1))\nE1 e 0 value={1-2*V(p)}\n"
-    "R1 p filtered 1k\nC1 filtered 0 1n\nA1 p q 0 0 0 0 g 0 AND Vhigh=3\nA2 p 0 0 0 0 n 0 0 BUF\nA3 s 0 p 0 0 0 held 0 SAMPLEHOLD\nB1 o 0 V=";
+    "R1 p filtered 1k\nC1 filtered 0 1n\nA1 p q 0 0 0 0 g 0 AND Vhigh=3\nA2 p 0 0 0 0 n 0 0 BUF\nA3 s 0 p 0 0 0 held 0 SAMPLEHOLD\nB1 o 0 "
+    "V=";
 
 }  // namespace
 

@@ -50,3 +50,23 @@ TEST_CASE("a switch changes where its control passes a threshold", "[property]")
   }
   CHECK(changes > 10000);
 }
+
+// While a rectifier conducts, its current closes a switch that charges a capacitor by 1001 Ohm; a load of 10 kOhm discharges it. Blocked, the current is at the switch's threshold of zero, and stays there: without
+// hysteresis the switch is off (by the contract of controls at rest). Capacitor by hand: exponentials of both time constants.
+TEST_CASE("a switch is off while its control rests at the threshold", "[regression]") {
+  const std::string text =
+      "t\nV1 in 0 SIN(0 10 50)\nD1 in a DI\nVS a b 0\nR1 b 0 10\nV2 s 0 5\nW1 s q VS WM\nR2 q c 1k\nC2 c 0 1u\nR3 c 0 10k\n.model DI D\n"
+      ".model WM CSW(Ron=1 Roff=inf It=0 Ih=0)\n.tran 5m 20m\n.save v(c)\n.end\n";
+  const double charged = 5.0 * 1e4 / 11001.0, charging = 1e-6 * 1001.0 * 1e4 / 11001.0, discharging = 1e-6 * 1e4;
+  const double peak = charged * (1.0 - std::exp(-10e-3 / charging));
+  const auto check = [&](const DeckRun& run, double error) {
+    INFO(run.messages << run.answer.message);
+    REQUIRE(run.rows.size() == 5);
+    CHECK(run.rows[2][1] == Approx(peak).epsilon(error));
+    CHECK(run.rows[3][1] == Approx(peak * std::exp(-5e-3 / discharging)).epsilon(error));
+    CHECK(run.rows[4][1] == Approx(peak * std::exp(-10e-3 / discharging)).epsilon(error));
+  };
+  check(run_text(text), 1e-12);
+  check(run_text_segments(text), 1e-12);
+  check(run_text_sparse(text, 1e-6), 1e-4);
+}

@@ -14,6 +14,23 @@ double WatchedControl::rounding(double largest_unknown) const {
   return tolerance::voltage_rounding * gain * largest_unknown;
 }
 
+double WatchedControl::noise(double form_value, double largest_unknown) const {
+  return std::max(tolerance::guard_sign * std::max({level_size(), largest, std::abs(form_value)}), rounding(largest_unknown));
+}
+
+bool WatchedControl::passes_with(const WatchedControl& other, const Position& on) const {
+  const auto sign = [&](const WatchedControl& control) { return control.holds(on) ? 1.0 : -1.0; };
+  const auto offset = [&](const WatchedControl& control) {
+    return sign(control) * (control.value.constant - (control.holds(on) ? control.off_level : control.on_level));
+  };
+  const auto agree = [&](const std::vector<Form::IndexedTerm>& a, const std::vector<Form::IndexedTerm>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](const Form::IndexedTerm& x, const Form::IndexedTerm& y) {
+      return x.index == y.index && sign(*this) * x.coefficient == sign(other) * y.coefficient;
+    });
+  };
+  return agree(value.z, other.value.z) && agree(value.w, other.value.w) && offset(*this) == offset(other);
+}
+
 std::vector<WatchedControl> controls_of(const model::Network& network, const Descriptor& descriptor) {
   std::vector<WatchedControl> controls;
   for (std::size_t i = 0; i < network.switches.size(); ++i) {

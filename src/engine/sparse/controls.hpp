@@ -23,6 +23,8 @@ struct WatchedControl {
   [[nodiscard]] double margin(const Position& on, double form_value) const {
     return holds(on) ? form_value - off_level : on_level - form_value;
   }
+  /// Whether its margin is that of another one, as of the two switches of a comparison: they pass at one instant.
+  [[nodiscard]] bool passes_with(const WatchedControl& other, const Position& on) const;
   /// Whether the switch changes sides because the value stays at the threshold: without hysteresis it is off there.
   [[nodiscard]] bool passes_at_rest(const Position& on) const { return on_level == off_level && holds(on); }
   [[nodiscard]] bool by_sources() const { return value.z.empty(); }
@@ -30,6 +32,8 @@ struct WatchedControl {
   [[nodiscard]] double level_size() const;
   /// The error of the value from rounding of the unknowns: a zero current is as small as the solution's error.
   [[nodiscard]] double rounding(double largest_unknown) const;
+  /// Up to there a margin is nothing but rounding.
+  [[nodiscard]] double noise(double form_value, double largest_unknown) const;
 };
 
 [[nodiscard]] std::vector<WatchedControl> controls_of(const model::Network& network, const Descriptor& descriptor);

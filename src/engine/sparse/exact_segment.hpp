@@ -173,6 +173,8 @@ class ExactSegment {
   [[nodiscard]] double terms_of(int row) const;
   [[nodiscard]] double node_rounding(int row) const;
   [[nodiscard]] double rounding_size(const WatchedControl& control) const;
+  [[nodiscard]] bool passes_at_rest(int row) const;
+  [[nodiscard]] bool has_just_passed(int row) const;
   void judge_start();
   [[nodiscard]] double rounding_of(int row) const;
 

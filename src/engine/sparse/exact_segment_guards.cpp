@@ -150,6 +150,22 @@ double ExactSegment::rounding_size(const WatchedControl& control) const {
   return size;
 }
 
+/// Whether a switch is on whose control stays at its threshold, where it is off.
+bool ExactSegment::passes_at_rest(int row) const {
+  const int ports = descriptor_.first_switch();
+  if (row < ports) return false;
+  const WatchedControl& control = controls_[static_cast<std::size_t>(row - ports)];
+  const double margin = linalg::row_times(mode_->guards, row, segment_.y0.data());
+  return control.passes_at_rest(on_) && margin <= control.noise(control.off_level + margin, std::max(voltage_, current_));
+}
+
+/// The guard that has just passed zero, and those that passed with it.
+bool ExactSegment::has_just_passed(int row) const {
+  const int ports = descriptor_.first_switch();
+  if (row == passing_ || row < ports || passing_ < ports) return row == passing_;
+  return controls_[static_cast<std::size_t>(row - ports)].passes_with(controls_[static_cast<std::size_t>(passing_ - ports)], on_);
+}
+
 /// Signs right after the start: the first derivative that is not rounding decides. A parabola that dips no deeper than rounding does not fall.
 void ExactSegment::judge_start() {
   segment_.system = &system_;
@@ -170,6 +186,7 @@ void ExactSegment::judge_start() {
   const linalg::Vector first = a * space_.first(), second = a * first;
   for (std::size_t i = 0; i < segment_.rows.size(); ++i) {
     model::Departure& departure = segment_.departures[i];
+    if (departure.order < 0 && passes_at_rest(segment_.rows[i])) negative_.push_back(segment_.rows[i]);
     if (departure.order > most_derivatives) departure = {-1, 0.0};
     if (departure.order <= 0 && !(departure.order == 0 && departure.value < 0.0)) continue;
     const int row = segment_.rows[i];
@@ -177,10 +194,10 @@ void ExactSegment::judge_start() {
     const double slope = linalg::row_times(mode_->guards, row, first.data());
     const bool is_soon_positive =
         value < 0.0 && slope > 0.0 && value + tolerance::just_passed * std::min(length_, expected_) * slope >= 0.0;
-    if (is_soon_positive && (departure.value > 0.0 || row == passing_)) rising_.push_back(row);
+    if (is_soon_positive && (departure.value > 0.0 || has_just_passed(row))) rising_.push_back(row);
     if (departure.value > 0.0) continue;
     const double bend = linalg::row_times(mode_->guards, row, second.data());
-    if (row == passing_ && departure.order == 0 && is_soon_positive) {
+    if (has_just_passed(row) && departure.order == 0 && is_soon_positive) {
       departure = {1, slope};
     } else if (departure.order == 1 && bend > 0.0 && departure.value * departure.value <= 2.0 * bend * rounding_of(row)) {
       departure = {2, bend};

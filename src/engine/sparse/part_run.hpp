@@ -211,6 +211,10 @@ class PartRun {
   [[nodiscard]] bool flip_negative(Position on, int rounds);
   [[nodiscard]] bool find_after_steps(const Beginning& beginning, Instant& instant);
   [[nodiscard]] ExactSegment::Opened open_segment(const Position& on);
+  struct Standing {
+    std::vector<double> z, memory, states;
+  };
+  void stand(const Standing& at);
   [[nodiscard]] Sought seek_by_steps(const Beginning& beginning, Instant& instant, double h);
   [[nodiscard]] bool share_freely();
   [[nodiscard]] bool correct_rows();

@@ -39,8 +39,7 @@ bool PartRun::flip(const Point& at, bool by_sources, double time, Instant& insta
   for (const WatchedControl& control : controls_) {
     if (control.by_sources() != by_sources) continue;
     const double value = control.value.value(at.z.data(), by_sources ? w_.data() : at.w.data());
-    const double size = std::max({control.level_size(), control.largest, std::abs(value)});
-    if (control.margin(on, value) >= -std::max(tolerance::guard_sign * size, control.rounding(unknown))) continue;
+    if (control.margin(on, value) >= -control.noise(value, unknown)) continue;
     on[control.port] ^= 1;
     flipped = true;
     instant.mode_change = true;
@@ -56,8 +55,7 @@ bool PartRun::flip_at_rest(const Point& at, Instant& instant) {
   for (WatchedControl& control : controls_) {
     if (control.has_rested || !control.passes_at_rest(point_.on)) continue;
     const double value = control.value.value(at.z.data(), at.w.data());
-    const double size = std::max({control.level_size(), control.largest, std::abs(value)});
-    if (control.margin(point_.on, value) > std::max(tolerance::guard_sign * size, control.rounding(unknown))) continue;
+    if (control.margin(point_.on, value) > control.noise(value, unknown)) continue;
     point_.on[control.port] ^= 1;
     control.has_rested = flipped = instant.mode_change = true;
   }
@@ -361,10 +359,6 @@ bool PartRun::watch_crowd(double time) {
 }
 
 bool PartRun::begin(const PartStart& start) {
-  if (segment_ && !passive_) {
-    fail(Outcome::no_solution, "E-no-solution", "the krylov engine runs passive networks only; try --engine exact or sparse", {});
-    return false;
-  }
   point_.time = 0.0;
   point_.on = start.on;
   for (Gate& gate : gates_) {

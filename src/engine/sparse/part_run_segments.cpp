@@ -64,7 +64,7 @@ ExactSegment::Opened PartRun::open_segment(const Position& on) {
 /// Whether the segment in that position, or in one that its signs lead to, goes on from the states as they are. Few vectors show signs that are far from right: positions
 /// that have them are left at once, as long as that leads to one that holds.
 bool PartRun::follows_directly(const Position& candidate) {
-  if (!passive_ || starting_) return false;
+  if (starting_) return false;
   Attempts& rejecting_early = rejecting_early_[passing_ >= 0 ? 1 : 0];
   segment_->reject_early(rejecting_early.is_due());
   const auto opened = open_segment(candidate);
@@ -205,18 +205,23 @@ bool PartRun::correct_rows() {
   return open_segment(point_.on) == ExactSegment::Opened::yes;
 }
 
+/// Back to where a search began: a jump that is taken moves the point, and is none where nothing follows it.
+void PartRun::stand(const Standing& at) {
+  point_.z = at.z;
+  start_memory_ = at.memory;
+  states_ = at.states;
+}
+
 bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
   const Position ahead = std::exchange(position_ahead_, Position{});
   bool found = false;
-  const std::vector<double> z = point_.z, memory = start_memory_, states = states_;
+  const Standing before{point_.z, start_memory_, states_};
   for (const Relaxation& relaxation : relaxations) {
     segment_->relax(relaxation.factor, relaxation.takes_positive);
     segment_->shorten(relaxation.length);
     segment_->refine(relaxation.refines);
     may_jump_ = relaxation.jumps;
-    point_.z = z;
-    start_memory_ = memory;
-    states_ = states;
+    stand(before);
     jump_steps_ = {};
     jump_impulses_.clear();
     jump_terms_.clear();
@@ -243,7 +248,7 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
 /// Where a port passes zero and nothing else happens, no state jumps, and the others stay on their sides but for those at zero.
 bool PartRun::follows_by_ties(const Beginning& beginning, const Position& candidate) {
   const bool is_passage = passing_ >= 0 && passing_ < descriptor_.first_switch();
-  if (!passive_ || starting_ || !is_passage || beginning.instant.source_edge || beginning.instant.mode_change) return false;
+  if (starting_ || !is_passage || beginning.instant.source_edge || beginning.instant.mode_change) return false;
   return settle_ties(point_.z, candidate, passing_, euler_length(beginning));
 }
 
@@ -257,9 +262,11 @@ double PartRun::euler_length(const Beginning& beginning) const {
 /// impulse, so that what moves is over soon, but finite (a current that leaks take over).
 PartRun::Sought PartRun::seek_by_steps(const Beginning& beginning, Instant& instant, double h) {
   refused_jumps_.clear();
+  const Standing before{point_.z, start_memory_, states_};
   for (const double scale : euler_scales) {
     const Sought sought = seek_segment(beginning, instant, scale * h);
     if (!failure_.id.empty() || sought != Sought::not_found) return sought;
+    stand(before);
   }
   const auto is_first = [&](const Position& on) { return on == refused_jumps_.front(); };
   if (refused_jumps_.size() < euler_scales.size() || !std::all_of(refused_jumps_.begin(), refused_jumps_.end(), is_first))
@@ -429,9 +436,14 @@ void PartRun::pass(const ExactSegment::Passage& passage) {
   position_before_ = position_ahead_ = point_.on;
   if (passage.guard < 0) return;
   const auto guard = static_cast<std::size_t>(passage.guard), ports = static_cast<std::size_t>(descriptor_.first_switch());
-  position_ahead_[guard < ports ? guard : controls_[guard - ports].port] ^= 1;
+  if (guard < ports) {
+    point_.on[guard] ^= 1;
+    position_ahead_[guard] ^= 1;
+  } else {
+    for (const WatchedControl& control : controls_)
+      if (control.passes_with(controls_[guard - ports], point_.on)) position_ahead_[control.port] ^= 1;
+  }
   descriptor_.hold_blocked(position_ahead_);
-  if (guard < ports) point_.on[guard] ^= 1;
 }
 
 /// Where from segment_tau_ on the probes are polynomials of degree 15, to rounding.

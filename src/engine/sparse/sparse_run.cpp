@@ -334,7 +334,7 @@ void SparseRun::finish() {
     answer_.remarks.push_back(
         {"N-not-examined",
          "the circuit contains controlled sources or blocks that may feed energy in, so its solution need not be unique; "
-         "the sparse engine takes the one it finds, --engine exact checks it"});
+         "the engine takes the one it finds, --engine modes checks it"});
   answer_.statistics.seconds_certificate = seconds_since(clock);
 }
 
