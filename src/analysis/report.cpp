@@ -78,6 +78,10 @@ void write_certificate(JsonWriter& json, const engine::Certificate& certificate)
   json.member("complementarity", json_number(certificate.complementarity));
   json.member("kcl_kvl", json_number(certificate.kcl_kvl));
   json.member("energy", json_number(certificate.energy));
+  if (certificate.error_bound) {
+    json.member("error_bound", json_number(*certificate.error_bound));
+    json.member("error_holds", json_truth(certificate.error_holds));
+  }
   json.member("passive", certificate.has_passivity ? json_truth(certificate.passive) : "null");
   json.member("points_checked", std::to_string(certificate.points_checked));
   json.end_object();

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -99,6 +100,10 @@ struct Certificate {
   double complementarity = 0.0;  ///< worst relative residual over the points checked
   double kcl_kvl = 0.0;
   double energy = 0.0;
+  /// Of segments in Krylov spaces, where the run keeps its jumps: √energy of the difference of its states from those of the circuit, of the largest √energy, at most.
+  std::optional<double> error_bound{};
+  bool error_holds =
+      true;  ///< false: it has jumps, parts that are not passive, or sources that the vectors do not hold, whose errors are not in it
   bool has_passivity = false;  ///< whether `passive` is known
   bool passive = false;
   std::uint64_t points_checked = 0;

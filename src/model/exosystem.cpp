@@ -176,6 +176,7 @@ void Exosystem::add_track(int source, Track track, bool may_jump) {
   Block block;
   block.source = source;
   block.rate = track.largest_slope();
+  if (const double largest = track.largest_value(); largest > 0.0) block.scale = largest;
   block.kind = block.rate > 0.0 ? Block::Kind::ramp : Block::Kind::level;
   if (track.prefix.empty() && track.loop.empty()) return use_constant(source, track.initial);
   const int index = add_block(block);

@@ -30,6 +30,8 @@ class Track {
   double after_loop = 0.0;  ///< value after the last repetition
 
   [[nodiscard]] double largest_slope() const;
+  /// Of the values at its corners.
+  [[nodiscard]] double largest_value() const;
   /// Every segment begins where the one before it ends.
   [[nodiscard]] bool is_continuous() const;
 
@@ -75,9 +77,10 @@ class Exosystem {
   struct Block {
     enum class Kind { constant, oscillation, level, ramp, decay };
     Kind kind = Kind::constant;
-    int first = 0;      ///< index of its first state
-    int source = -1;    ///< −1 where sources share it
-    double rate = 0.0;  ///< |eigenvalue|; for a ramp the slope that slope state 1 stands for
+    int first = 0;       ///< index of its first state
+    int source = -1;     ///< −1 where sources share it
+    double rate = 0.0;   ///< |eigenvalue|; for a ramp the slope that slope state 1 stands for
+    double scale = 1.0;  ///< of a level or a ramp, the largest magnitude that its value has by itself; others are of order one
     double frequency = 0.0, omega = 0.0, damping = 0.0, phase = 0.0;
     double delay = 0.0, end = forever;  ///< oscillation, decay: alive in [delay, end)
     int partner = -1;                   ///< oscillation: its level state, −1: none

@@ -41,6 +41,13 @@ double Track::largest_slope() const {
   return largest;
 }
 
+double Track::largest_value() const {
+  double largest = std::abs(initial);
+  for (const auto& segment : prefix) largest = std::max(largest, std::abs(segment.value));
+  for (const auto& segment : loop) largest = std::max(largest, std::abs(segment.value));
+  return largest;
+}
+
 void Track::set_next(Cursor& cursor) const {
   cursor.next_late = 0.0;
   if (cursor.item < prefix.size()) {

@@ -339,7 +339,8 @@ ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start) {
   }
   const Opened opened = build(factors, start);
   if (opened != Opened::yes || is_rejected_) return opened;
-  if (!(space_.rounding_at_start() <= tolerance::start_rounding * size_)) return Opened::unresolved;
+  start_rounding_ = space_.rounding_at_start();
+  if (!(start_rounding_ <= tolerance::start_rounding * size_)) return Opened::unresolved;
   ++segments_;
   vectors_ += static_cast<std::uint64_t>(space_.dimension());
   vectors_of_one_before_ = std::exchange(vectors_of_last_, expected_vectors());
@@ -405,6 +406,15 @@ double ExactSegment::signal(std::size_t i, const std::vector<double>& y) const {
 
 double ExactSegment::signal_terms(std::size_t i, const std::vector<double>& y) const {
   return std::abs(signal_constants_[i]) + linalg::absolute_row_times(signal_rows_, static_cast<Eigen::Index>(i), y.data());
+}
+
+ErrorGrowth ExactSegment::error_growth(double tau) const {
+  const SourceDirections directions(sources_.exosystem(),
+                                    Eigen::Map<const linalg::Vector>(zeta_.data(), static_cast<Eigen::Index>(zeta_.size())));
+  ErrorGrowth growth = sparse::error_growth(space_.relation(), directions, tau, tolerance::solution_rounding * size_);
+  growth.error *= space_.coupling();
+  growth.rounding = space_.coupling() * (start_rounding_ + growth.rounding);
+  return growth;
 }
 
 void ExactSegment::accept() {

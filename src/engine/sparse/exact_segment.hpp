@@ -9,6 +9,7 @@
 
 #include "engine/exact/locator.hpp"
 #include "engine/sparse/controls.hpp"
+#include "engine/sparse/krylov_bound.hpp"
 #include "engine/sparse/krylov_space.hpp"
 #include "engine/sparse/sources.hpp"
 
@@ -136,6 +137,12 @@ class ExactSegment {
     std::uint64_t segments = 0, vectors = 0, intervals = 0, sampled = 0;
   };
   [[nodiscard]] Counts counts() const { return {segments_, vectors_, locator_.intervals(), locator_.sampled()}; }
+  /// After `open` from a point z: by how much its states at τ may be farther from those of the network's own motion than z is, √energy (krylov_bound.hpp). That is what `first`, where it
+  /// begins, is off from z, and what comes after that.
+  [[nodiscard]] double start_error(const std::vector<double>& z, const std::vector<double>& first) const {
+    return space_.energy_distance(z, first);
+  }
+  [[nodiscard]] ErrorGrowth error_growth(double tau) const;
   /// Its error as estimated, of the largest √energy.
   [[nodiscard]] double relative_error() const { return size_ > 0.0 ? estimate_ / size_ : 0.0; }
   /// The largest estimate of an error so far, of the largest √energy.
@@ -204,6 +211,7 @@ class ExactSegment {
   bool located_ = false;
   std::vector<int> negative_, rising_, free_, idle_;
   std::vector<std::vector<int>> beside_;  ///< of each port those in parallel
+  double start_rounding_ = 0.0;           ///< √energy
   std::vector<double> zeta_, y_, work_;
   bool nothing_flows_ = false;                   ///< through ports, but for rounding
   double node_terms_ = 0.0, input_terms_ = 0.0;  ///< of the largest voltage, and of the largest input

@@ -120,7 +120,7 @@ bool KrylovSpace::contradicts(const std::vector<double>& z, const Vector& w, dou
 void KrylovSpace::measure(const std::vector<double>& z, const Vector& zeta, double* x) const {
   const auto& states = descriptor_.states();
   for (std::size_t i = 0; i < states.size(); ++i) *x++ = state_weight_[i] * states[i].value(z.data());
-  for (const double value : zeta) *x++ = zeta_weight_ * value;
+  for (Eigen::Index i = 0; i < zeta.size(); ++i) *x++ = zeta_weight_ * source_weight_[i] * zeta[i];
 }
 
 /// √Σ (weight·value)² over the states.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/disjoint_sets.hpp"
 #include "engine/sparse/tolerances.hpp"
 #include "linalg/factorisations.hpp"
 
@@ -25,7 +26,11 @@ KrylovSpace::KrylovSpace(const Descriptor& descriptor, const model::Exosystem& e
       change_(descriptor, exosystem),
       resting_(descriptor),
       differential_(descriptor.differential_rows()),
+      stores_(descriptor.memory_diagonal()),
+      coupling_(coupling_of(descriptor.network())),
       conduction_of_nodes_(linalg::transposed(descriptor.conduction(), descriptor.nodes())) {
+  source_weight_ = Vector::Ones(exosystem.size());
+  for (const auto& block : exosystem.blocks()) source_weight_[block.first] = 1.0 / block.scale;
   const double r0 = descriptor.r0();
   for (const State& state : descriptor.states()) {
     state_weight_.push_back(std::sqrt(std::abs(state.storage) * (state.is_current ? 1.0 / r0 : r0)));
@@ -33,6 +38,27 @@ KrylovSpace::KrylovSpace(const Descriptor& descriptor, const model::Exosystem& e
     sum = std::hypot(sum, state_weight_.back());
     if (state.is_current && state.storage != 0.0) weight_of_rates_ = std::hypot(weight_of_rates_, std::sqrt(r0 / std::abs(state.storage)));
   }
+}
+
+/// Σ L_i i_i² is at least a part of the energy of inductors that are coupled, one of their number: |M_ij| <= √(L_i L_j).
+double KrylovSpace::coupling_of(const model::Network& network) {
+  DisjointSets sets(static_cast<int>(network.inductors.size()));
+  for (const model::Coupling& k : network.couplings) sets.join(k.inductor_a, k.inductor_b);
+  std::vector<double> count(network.inductors.size(), 0.0);
+  double most = 1.0;
+  for (int i = 0; i < static_cast<int>(count.size()); ++i) most = std::max(most, ++count[static_cast<std::size_t>(sets.find(i))]);
+  return std::sqrt(most);
+}
+
+double KrylovSpace::energy_distance(const std::vector<double>& a, const std::vector<double>& b) const {
+  double square = 0.0;
+  for (std::size_t i = 0; i < state_weight_.size(); ++i) {
+    const State& state = descriptor_.states()[i];
+    if (!state.is_current) square += std::pow(state_weight_[i] * (state.value(a.data()) - state.value(b.data())), 2);
+  }
+  const auto first = static_cast<std::size_t>(descriptor_.unknowns().inductor(0));
+  for (std::size_t i = first; i < first + descriptor_.network().inductors.size(); ++i) square += stores_[i] * std::pow(a[i] - b[i], 2);
+  return std::sqrt(square);
 }
 
 /// Room for so many columns.
@@ -80,7 +106,7 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   zeta_weight_ = 0.0;
   measure(right_, zeta, x.data());
   size_ = x.norm();
-  zeta_weight_ = std::max(size, size_) / zeta.norm();
+  zeta_weight_ = std::max(size, size_) / source_weight_.cwiseProduct(zeta).norm();
   if (!(zeta_weight_ > 0.0) || zeta.isZero(0.0)) zeta_weight_ = 1.0;
   measure(right_, zeta, x.data());
   norm_ = x.norm();
@@ -138,6 +164,7 @@ void KrylovSpace::add_vector() {
   const bool adds_nothing = !(h > nothing);
   delta_[j] = rounding_of(right_, adds_nothing ? tolerance::little_direction : std::min(h, tolerance::little_direction));
   full_ = adds_nothing || !(h > delta_[j]);
+  has_next_ = !full_;
   if (full_) return;
   note_lost(c, size, h);
   vectors_.col(j + 1) = (changes_.col(j) - vectors_.leftCols(j + 1) * c) / h;
@@ -162,6 +189,7 @@ void KrylovSpace::grow(int m) {
 }
 
 void KrylovSpace::shrink(int m) {
+  has_next_ |= m < dimension_;
   dimension_ = m;
   full_ = true;
   reduce();
@@ -179,6 +207,13 @@ void KrylovSpace::reduce() {
   first_ = norm_ * k_.col(0);
   reach_ = first_.cwiseAbs();
   flow_ = linalg::Exponential(a, linalg::norm_bound(a));
+}
+
+KrylovSpace::Relation KrylovSpace::relation() const {
+  Matrix h = h_matrix_.topLeftCorner(dimension_ + 1, dimension_);
+  Vector delta = delta_.head(dimension_) + tolerance::solution_rounding * h.colwise().norm().transpose();  // orthogonalisation rounds, too
+  if (!has_next_) delta[dimension_ - 1] += h_;
+  return {std::move(h), k_, zetas_.leftCols(dimension_ + (has_next_ ? 1 : 0)), std::move(delta), flow_, first_, shift_, has_next_};
 }
 
 double KrylovSpace::turning(double least) const {

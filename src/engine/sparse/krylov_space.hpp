@@ -10,7 +10,7 @@
 ///  - T z is solved for by itself, to its own digits: S z − z would cancel where γ is short against the motion;
 ///  - on rows of E that are zero the right-hand side of T z is an exact zero (but for sources), so that constraints of index 2 collect no rounding;
 ///  - the space ends where what is new is rounding.
-/// Columns are orthonormal in the norm of the stored energy (mutual inductances left out) and of ζ, weighted to be of the same size. W K y satisfies all algebraic
+/// Columns are orthonormal in the norm of the stored energy (mutual inductances left out) and of ζ, each of its states by its own largest value and all weighted to be of the same size. W K y satisfies all algebraic
 /// rows, and  E z' + G z + … = E h z_{m+1} (b' − b/γ),  b = eᵀK y, from which the error is estimated.
 ///
 /// Shift-invert Krylov methods for the exponential: van den Eshof and Hochbruck, SIAM J. Sci. Comput. 27 (2006).
@@ -78,6 +78,22 @@ class KrylovSpace {
   static constexpr int checkpoints = 32;
   /// √energy a second by which y' at the start misses the equations, in the norm of the space.
   [[nodiscard]] double defect_at_start() const;
+  /// What its motion is made of, for a bound of its error (krylov_bound.hpp).
+  struct Relation {
+    linalg::Matrix h;  ///< one row more than columns
+    const linalg::Matrix& k;
+    linalg::Matrix zetas;  ///< the sources' states of the vectors, z_{m+1} too
+    linalg::Vector delta;  ///< rounding of T Z
+    const linalg::Exponential& flow;
+    const linalg::Vector& first;
+    double shift;
+    bool has_next;  ///< z_{m+1} is there
+  };
+  [[nodiscard]] Relation relation() const;
+  /// √energy of the difference of two points, with mutual inductances.
+  [[nodiscard]] double energy_distance(const std::vector<double>& a, const std::vector<double>& b) const;
+  /// How many times as large √energy with mutual inductances may be as the norm of the space.
+  [[nodiscard]] double coupling() const { return coupling_; }
   struct Checkpoint {
     double tau = 0.0, error = 0.0;
     double rounding = 0.0;  ///< a bound of ∫ Σ δ_i |c_i| dτ/γ: what the rounding δ_i of T z_i, of which y' is made, adds up to, c = K y
@@ -117,6 +133,7 @@ class KrylovSpace {
   void rates(const double* y, std::vector<double>& k);
 
  private:
+  [[nodiscard]] static double coupling_of(const model::Network& network);
   void begin_change(const Origin& start, const linalg::Vector& zeta);
   void solve(std::vector<double>& r, const linalg::Vector& w, double one);
   void settle(std::vector<double>& z, const linalg::Vector& w, double one);
@@ -151,14 +168,18 @@ class KrylovSpace {
   StartChange change_;
   RestingParts resting_;
   std::vector<char> differential_;
+  std::vector<double> stores_;  ///< the diagonal of E
+  double coupling_ = 1.0;
   linalg::SparseMatrix conduction_of_nodes_;  ///< the rows of nodes of G, as columns
   std::vector<double> state_weight_;
+  linalg::Vector source_weight_;                                ///< 1 over what a state of sources is at most
   double weight_of_voltages_ = 0.0, weight_of_currents_ = 0.0;  ///< root of the sum of their squares
   double weight_of_rates_ = 0.0;                                ///< the same of what a volt across an inductor moves in a second
   const Factor* factor_ = nullptr;
   double least_ = 0.0, shift_ = 0.0, zeta_weight_ = 1.0, norm_ = 0.0, size_ = 0.0, h_ = 0.0, rounding_ = 0.0;
   Position on_;
   int dimension_ = 0;
+  bool has_next_ = false;      ///< z_{m+1} is a vector
   bool is_assembled_ = false;  ///< the matrix is in `values_`
   bool full_ = false, sound_ = true, begins_roughly_ = false, is_refined_ = true, refines_ = false;
   linalg::Matrix vectors_, changes_;     ///< Z and T Z (unknowns × columns)

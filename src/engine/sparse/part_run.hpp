@@ -109,6 +109,9 @@ class PartRun {
   /// The jumps, if requested.
   [[nodiscard]] const std::vector<Jump>& jumps() const { return jump_details_; }
   [[nodiscard]] const StepCertifier& certificate() const { return certificate_; }
+  /// Of the states after all segments, of the largest √energy (Certificate::error_bound). Rounding is in it.
+  [[nodiscard]] double error_bound() const { return segment_ && segment_->size() > 0.0 ? error_ / segment_->size() : 0.0; }
+  [[nodiscard]] bool error_holds() const { return error_holds_; }
   /// The largest motion that was damped instead of followed, of a state's size.
   [[nodiscard]] double damped() const { return damped_; }
   /// The controls in relation to their thresholds.
@@ -242,6 +245,7 @@ class PartRun {
   [[nodiscard]] bool moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const;
   void add_impulses(const std::vector<double>& impulses, const std::vector<double>& whole, double length);
   void note_segment_impulses();
+  void add_error(double tau);
   void record_begin(const Point& first);
   void record_end(const Point& last, double tau, const ExactSegment::Passage& passage);
   [[nodiscard]] FallingGuard falling(int guard, double rate) const;
@@ -266,6 +270,8 @@ class PartRun {
   double largest_voltage_ = 0.0, largest_current_ = 0.0;  ///< of segments that are measured
   bool signals_read_sources_ = false;
   StepCertifier certificate_;
+  double error_ = 0.0;  ///< √energy, of all segments
+  bool error_holds_ = true;
   bool passive_ = false;
   StallWatch stall_;
   Stretch stretch_;

@@ -330,6 +330,8 @@ bool PartRun::begin_segment() {
   if (instant.jump && request_.probes.sink != nullptr) note_segment_impulses();
   certificate_.add_point(next, ports_, 1.0 / segment_->length(), segment_->rising());
   certificate_.add_estimate(segment_->worst_estimate());
+  error_holds_ = error_holds_ && !instant.jump;
+  if (request_.jumps && !instant.jump) error_ += segment_->start_error(point_.z, next.z);
   if (records_) record_begin(next);
   settle_in(next);
   finish_instant(instant);
@@ -378,8 +380,17 @@ bool PartRun::follow_segment() {
   if (records_ && tau >= passage.tau) record_end(next, tau, passage);
   settle_in(next);
   segment_tau_ = tau;
-  if (tau >= passage.tau) pass(passage);
+  if (tau < passage.tau) return true;
+  if (request_.jumps) add_error(tau);
+  pass(passage);
   return true;
+}
+
+/// Of the segment up to there. Errors of passive parts do not grow by themselves: those of segments add up.
+void PartRun::add_error(double tau) {
+  const ErrorGrowth growth = segment_->error_growth(tau);
+  error_ += growth.error + growth.rounding;
+  error_holds_ = error_holds_ && growth.holds;
 }
 
 void PartRun::record_begin(const Point& first) {

@@ -314,6 +314,10 @@ void SparseRun::finish() {
     c.kcl_kvl = std::max(c.kcl_kvl, own.kcl_kvl);
     c.energy = std::max(c.energy, own.energy);
     c.points_checked += own.points_checked;
+    if (method_ == PartRun::Method::segments && request_.jumps) {
+      c.error_bound = std::max(c.error_bound.value_or(0.0), track->run.error_bound());
+      c.error_holds = c.error_holds && track->run.error_holds() && track->part.descriptor.passive();
+    }
     damped = std::max(damped, track->run.damped());
     c.passive = c.passive && track->part.descriptor.passive();
   }
