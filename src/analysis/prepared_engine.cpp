@@ -58,10 +58,10 @@ Simulate segment_run(std::shared_ptr<const engine::sparse::SparseModel> model) {
   };
 }
 
-PreparedEngine prepare_sparse(const model::Network& network, const std::string& reason, double reltol, Diagnostics& diagnostics) {
+PreparedEngine prepare_sparse(const model::Network& network, double reltol, Diagnostics& diagnostics) {
   const auto model = engine::sparse::prepare(network, diagnostics);
   if (!model || !is_tolerance(reltol, diagnostics)) return {"sparse", {}, {}, {}};
-  return {"sparse", sparse_run(model, reltol), [=] { return engine::sparse::operating_point(*model); }, sparse_warning(reason, reltol)};
+  return {"sparse", sparse_run(model, reltol), [=] { return engine::sparse::operating_point(*model); }, sparse_warning("", reltol)};
 }
 
 /// Its tolerance is its own: that of steps would make segments whose errors exceed their guards' margins.
@@ -194,9 +194,7 @@ bool runs_by_segments(const model::Network& network, EngineChoice choice) {
 PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics) {
   if (choice == EngineChoice::krylov) return prepare_krylov(network, diagnostics);
   if (runs_by_segments(network, choice)) return prepare_segments(network, choice, reltol, diagnostics);
-  const std::string reason = choice == EngineChoice::automatic ? too_large(network) : "";
-  const bool sparse = choice == EngineChoice::sparse || !reason.empty();
-  return sparse ? prepare_sparse(network, reason, reltol, diagnostics) : prepare_exact(network, diagnostics);
+  return choice == EngineChoice::sparse ? prepare_sparse(network, reltol, diagnostics) : prepare_exact(network, diagnostics);
 }
 
 PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics,

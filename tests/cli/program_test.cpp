@@ -204,15 +204,16 @@ TEST_CASE("a wrong command line has status 2 and creates nothing", "[unit]") {
   CHECK(scratch.names() == Names{"divider.net"});
 }
 
-TEST_CASE("the sparse engine warns, and says why it was chosen", "[unit]") {
+TEST_CASE("a large circuit with an amplifier is exact, and the sparse engine warns", "[unit]") {
   const Scratch scratch;
   std::ostringstream deck;
   deck << "ladder of an amplifier\nE1 n0 0 n450 a -1\nV1 a 0 1\n";
   for (int i = 0; i < 450; ++i) deck << "R" << i << " n" << i << " n" << i + 1 << " 1\nC" << i << " n" << i + 1 << " 0 1n\n";
   deck << ".save v(n450)\n.tran 1u 2u\n.end\n";
   scratch.write("ladder.net", deck.str());
-  CHECK_THAT(run_in(scratch, {"ladder.net"}).err,
-             Contains("warning[W-sparse-engine]: a part of this circuit is too large") && Contains("(450 stores, diodes"));
+  const Finished exact = run_in(scratch, {"ladder.net", "--stats", "-", "-o", "ladder.csv"});
+  CHECK_THAT(exact.out, Contains("\"engine\": \"exact\"") && Contains("error_bound"));
+  CHECK_THAT(exact.err, Contains("note[N-not-examined]") && !Contains("warning"));
   CHECK_THAT(run_in(scratch, {"ladder.net", "--engine", "sparse"}).err,
              Contains("warning[W-sparse-engine]: the sparse engine takes implicit steps"));
 }

@@ -30,7 +30,8 @@ KrylovSpace::KrylovSpace(const Descriptor& descriptor, const model::Exosystem& e
       coupling_(coupling_of(descriptor.network())),
       conduction_of_nodes_(linalg::transposed(descriptor.conduction(), descriptor.nodes())) {
   source_weight_ = Vector::Ones(exosystem.size());
-  for (const auto& block : exosystem.blocks()) source_weight_[block.first] = 1.0 / block.scale;
+  // A milliampere counts as much as the constant 1; a kilovolt keeps counting as more.
+  for (const auto& block : exosystem.blocks()) source_weight_[block.first] = std::max(1.0, 1.0 / block.scale);
   const double r0 = descriptor.r0();
   for (const State& state : descriptor.states()) {
     state_weight_.push_back(std::sqrt(std::abs(state.storage) * (state.is_current ? 1.0 / r0 : r0)));
