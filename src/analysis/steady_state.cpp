@@ -19,7 +19,6 @@
 #include "engine/exact/start.hpp"
 #include "engine/left_out.hpp"
 #include "engine/remarks.hpp"
-#include "model/certificate.hpp"
 #include "model/islands.hpp"
 #include "steady/carried_trace.hpp"
 #include "steady/segment_orbit.hpp"
@@ -84,7 +83,7 @@ std::vector<model::Source> needed_sources(const model::Network& network) {
 /// Krylov segments, where they were asked for, or fit a driven circuit without other analyses around its orbit.
 bool finds_orbit_by_segments(const Compiled& compiled, EngineChoice choice) {
   if (choice == EngineChoice::krylov) return true;
-  if (!runs_by_segments(compiled.network, choice) || !model::has_passive_parts_only(compiled.network)) return false;
+  if (!runs_by_segments(compiled.network, choice)) return false;
   const bool has_others = compiled.analyses.small_signal || compiled.analyses.sensitivities;
   if (has_others && has_modes(compiled.network, choice)) return false;
   return !steady::common_period(needed_sources(compiled.network)).sources.empty();
