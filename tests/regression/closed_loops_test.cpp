@@ -83,6 +83,22 @@ TEST_CASE("converters in closed loop agree between dense modes and Krylov segmen
   CHECK(agreed >= shared * completed);
 }
 
+// Half bridges of ideal switches: what opens one is an inverter of what closes the other, so that both short-circuit the source while the logic is on its way.
+TEST_CASE("complementary switches change by their logic, whatever they short-circuit on its way", "[regression]") {
+  constexpr double tolerance = 1e-5, most = 1e-2;  // of implicit steps over some 100 events
+  for (const std::uint64_t seed : {77, 88, 98, 105, 112, 132}) {
+    const test::ClosedLoop loop = test::random_closed_loop(seed, 0);
+    INFO("seed " << seed << "\n" << loop.text);
+    const test::DeckRun modes = test::run_text(loop.text), segments = test::run_text_segments(loop.text);
+    const test::DeckRun steps = test::run_text_sparse(loop.text, tolerance);
+    REQUIRE(modes.answer.outcome == engine::Outcome::completed);
+    REQUIRE(segments.answer.outcome == engine::Outcome::completed);
+    REQUIRE(steps.answer.outcome == engine::Outcome::completed);
+    CHECK(largest_difference(modes, segments) <= expected);
+    CHECK(largest_difference(modes, steps) <= most);
+  }
+}
+
 // A voltage begins to rise behind an inductor that only a leak of 1 GOhm carries: the inductor's lag has the other sign for 1e-14 s, and the deck was refused as not unique. The leak takes
 // 112 V/1 GOhm for 200 us from 10 uF: 2 uV, which the loop's duty may change a few times.
 TEST_CASE("a rectifier with feedback starts from the zero of its line", "[regression]") {

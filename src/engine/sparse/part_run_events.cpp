@@ -23,6 +23,7 @@ constexpr double small_motion = 0.01;
 constexpr int most_refinement = 16, refinement = 4;
 
 constexpr double unsettled_jump = 0.05;  ///< of the jump: difference between two steps that take it, in a network that is not passive
+constexpr double most_strain = 1e-3;     ///< of a control's margin: what the contradiction of a position may change of it
 constexpr double shrinking = 0.25;       ///< of what longer steps saw: what shorter ones see of a motion is less
 /// A signal that delivers no more in the step of a jump than it does in so many others has no impulse.
 constexpr double least_impulse = 100.0;
@@ -73,6 +74,24 @@ bool PartRun::flip_ahead(double h, Instant& instant, Point& first) {
   return flipped;
 }
 
+/// Where the position contradicts the network, as two switches across a source do while the logic between them is on its way: the switches whose controls pass, of those whose controls
+/// the contradiction does not reach. False: none does.
+bool PartRun::flip_unstrained(const Point& at, Instant& instant) {
+  const std::vector<double>& strain = ports_.strain();
+  if (strain.empty()) return false;
+  bool flipped = false;
+  const double unknown = largest(point_.z);
+  for (const WatchedControl& control : controls_) {
+    if (control.by_sources()) continue;
+    const double value = control.value.value(at.z.data(), at.w.data()), margin = control.margin(point_.on, value);
+    if (margin >= -control.noise(value, unknown)) continue;
+    if (std::abs(Form::sum(control.value.z, strain.data())) > most_strain * -margin) continue;
+    point_.on[control.port] ^= 1;
+    flipped = instant.mode_change = true;
+  }
+  return flipped;
+}
+
 /// All switches whose control has passed at this instant change together, those that only sources drive first; states stay as they are
 /// until none moves. False: no position (trial_.solved); `failure_` names the switches that keep toggling.
 bool PartRun::settle(double h, Instant& instant, Point& first) {
@@ -82,6 +101,7 @@ bool PartRun::settle(double h, Instant& instant, Point& first) {
     descriptor_.hold_blocked(point_.on);
     trial_.solved = stepper_.euler(point_, h, first, start_memory_);
     if (trial_.solved == Solved::no_position && round == 0 && flip_ahead(h, instant, first)) continue;
+    if (trial_.solved == Solved::no_position && flip_unstrained(first, instant)) continue;
     if (trial_.solved != Solved::yes) return false;
     if (!flip(first, false, instant.time + h, instant, point_.on) && !flip_at_rest(first, instant)) return true;
   }

@@ -235,6 +235,7 @@ void PortSolver::examine_ties(const Stage& stage, const Position& on, const Fact
     factor.solve(right_);
     const double volts = largest(std::span(right_).first(nodes)), amperes = largest(std::span(right_).subspan(nodes));
     const double far = far_away * std::max(volts > 0.0 ? size.voltage / volts : 0.0, amperes > 0.0 ? size.current / amperes : 0.0);
+    strain_ = right_;
     for (std::size_t i = 0; i < z.size(); ++i) z[i] += far * right_[i];
     return;
   }
@@ -283,7 +284,11 @@ void PortSolver::refine(const Stage& stage, const Position& on, const Factor& fa
     for (std::size_t i = 0; i < z.size(); ++i) refined_[i] += right_[i];
   }
   contradicted_ = last > std::max(tolerance::contradiction * first, tolerance::held_port);
-  if (contradicted_) return;
+  if (contradicted_) {
+    strain_ = refined_;
+    for (std::size_t i = 0; i < z.size(); ++i) strain_[i] -= z[i];
+    return;
+  }
   for (std::size_t i = 0; i < z.size(); ++i) step[i] += refined_[i] - z[i];
   z.swap(refined_);
 }
@@ -303,7 +308,10 @@ void PortSolver::dispute(const std::vector<int>& ports) {
 
 /// All signs are right: a solution, unless the position contradicts the network. Then the ports it strains most are named.
 Solved PortSolver::found(const Stage& stage, const Position& on, const std::vector<double>& z) {
-  if (!contradicted_) return Solved::yes;
+  if (!contradicted_) {
+    strain_.clear();
+    return Solved::yes;
+  }
   std::vector<double> strain;
   for (std::size_t i = 0; i < on.size(); ++i) strain.push_back(std::abs(stage.free_variable(descriptor_.ports()[i], on[i] == 0, z.data())));
   const double largest = *std::max_element(strain.begin(), strain.end());
@@ -335,6 +343,7 @@ Solved PortSolver::iterate(const Stage& stage, double tolerance, Position& on, s
 
 Solved PortSolver::solve(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z, Search search) {
   disputed_.clear();
+  strain_.clear();
   descriptor_.hold_blocked(on);
   Solved solved = iterate(stage, passive_ ? tolerance::port_sign : tolerance::active_port_sign, on, step, z);
   if (solved != Solved::no_position || contradicted_ || search == Search::newton) return solved;

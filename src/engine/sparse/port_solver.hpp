@@ -58,6 +58,8 @@ class PortSolver {
   [[nodiscard]] std::uint64_t pivots() const { return pivots_; }
   /// Ports that no position satisfied, after `no_position`.
   [[nodiscard]] const std::vector<int>& disputed() const { return disputed_; }
+  /// After `no_position`, where the position contradicts the network: what resolving that by force would change of the unknowns, else empty.
+  [[nodiscard]] const std::vector<double>& strain() const { return strain_; }
 
  private:
   [[nodiscard]] Solved solve_at(const Stage& stage, const Position& on, std::vector<double>& step, std::vector<double>& z);
@@ -97,7 +99,8 @@ class PortSolver {
   std::unique_ptr<InteriorPoint> interior_;  ///< once it is needed
   std::uint64_t pivots_ = 0;
   bool by_rows_ = false;
-  bool repeated_ = false;      ///< Newton's method came back to a position
+  bool repeated_ = false;  ///< Newton's method came back to a position
+  std::vector<double> strain_;
   bool contradicted_ = false;  ///< the last position holds only because of its factor's ε
 };
 
