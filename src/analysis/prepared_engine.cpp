@@ -188,7 +188,8 @@ bool has_modes(const model::Network& network, EngineChoice choice) {
 
 bool runs_by_segments(const model::Network& network, EngineChoice choice) {
   if (choice != EngineChoice::exact && choice != EngineChoice::automatic) return false;
-  return model::has_passive_parts_only(network) ? engine::sparse::largest_part(network) > most_in_modes : !too_large(network).empty();
+  const bool is_passive = model::has_passive_parts_only(network);
+  return !too_large(network).empty() || (is_passive && engine::sparse::largest_part(network) > most_in_modes);
 }
 
 PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics) {
