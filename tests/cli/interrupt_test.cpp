@@ -34,7 +34,7 @@ TEST_CASE("a signal during a large extraction ends the program at once", "[regre
   scratch.write("op.net", ladder(2000) + ".op\n");
   const int signal_number = GENERATE(SIGINT, SIGTERM);
   const auto arguments =
-      GENERATE(Names{"big.net", "--engine", "exact"}, Names{"op.net", "--engine", "exact", "--json"}, Names{"inspect", "big.net"});
+      GENERATE(Names{"big.net", "--engine", "modes"}, Names{"op.net", "--engine", "modes", "--json"}, Names{"inspect", "big.net"});
   const Names before = scratch.names();
   Spawned program(arguments, {.folder = scratch.path().string()});
   pause(1000);
