@@ -102,8 +102,8 @@ struct Certificate {
   double energy = 0.0;
   /// Of segments in Krylov spaces, where the run keeps its jumps: √energy of the difference of its states from those of the circuit, of the largest √energy, at most.
   std::optional<double> error_bound{};
-  bool error_holds =
-      true;  ///< false: it has jumps, parts that are not passive, or sources that the vectors do not hold, whose errors are not in it
+  /// False: it has jumps, parts that are not passive, or sources that the vectors do not hold, whose errors are not in the bound.
+  bool error_holds = true;
   bool has_passivity = false;  ///< whether `passive` is known
   bool passive = false;
   std::uint64_t points_checked = 0;

@@ -156,4 +156,6 @@ def write(points, families):
     for engine in ("krylov", "sparse"):
         cost_picture(points, families, engine)
     by_hand = PAGE.read_text(encoding="utf-8").partition(f"\n{BY_HAND}\n")
+    if not by_hand[1]:
+        raise SystemExit(f"{PAGE} has no '{BY_HAND}': what is written by hand below it would be lost")
     PAGE.write_text("\n".join(text(points, families)) + by_hand[1] + by_hand[2], encoding="utf-8")

@@ -33,14 +33,19 @@ int restart_levels(double reltol) { return 3 - static_cast<int>(std::floor(std::
 
 }  // namespace
 
+/// Where the position of the last solution contradicts the network, as two switches across a source do while the logic between them is on its way, those change whose controls
+/// the contradiction does not reach.
 bool PartRun::flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on) {
   bool flipped = false;
+  const std::vector<double>* strain = by_sources ? nullptr : ports_.strain();
   const double unknown = largest(point_.z);
   if (by_sources) sources_.evaluate(time, w_);
   for (const WatchedControl& control : controls_) {
     if (control.by_sources() != by_sources) continue;
     const double value = control.value.value(at.z.data(), by_sources ? w_.data() : at.w.data());
-    if (control.margin(on, value) >= -control.noise(value, unknown)) continue;
+    const double margin = control.margin(on, value);
+    if (margin >= -control.noise(value, unknown)) continue;
+    if (strain != nullptr && std::abs(Form::sum(control.value.z, strain->data())) > most_strain * -margin) continue;
     on[control.port] ^= 1;
     flipped = true;
     instant.mode_change = true;
@@ -74,24 +79,6 @@ bool PartRun::flip_ahead(double h, Instant& instant, Point& first) {
   return flipped;
 }
 
-/// Where the position contradicts the network, as two switches across a source do while the logic between them is on its way: the switches whose controls pass, of those whose controls
-/// the contradiction does not reach. False: none does.
-bool PartRun::flip_unstrained(const Point& at, Instant& instant) {
-  const std::vector<double>& strain = ports_.strain();
-  if (strain.empty()) return false;
-  bool flipped = false;
-  const double unknown = largest(point_.z);
-  for (const WatchedControl& control : controls_) {
-    if (control.by_sources()) continue;
-    const double value = control.value.value(at.z.data(), at.w.data()), margin = control.margin(point_.on, value);
-    if (margin >= -control.noise(value, unknown)) continue;
-    if (std::abs(Form::sum(control.value.z, strain.data())) > most_strain * -margin) continue;
-    point_.on[control.port] ^= 1;
-    flipped = instant.mode_change = true;
-  }
-  return flipped;
-}
-
 /// All switches whose control has passed at this instant change together, those that only sources drive first; states stay as they are
 /// until none moves. False: no position (trial_.solved); `failure_` names the switches that keep toggling.
 bool PartRun::settle(double h, Instant& instant, Point& first) {
@@ -101,7 +88,7 @@ bool PartRun::settle(double h, Instant& instant, Point& first) {
     descriptor_.hold_blocked(point_.on);
     trial_.solved = stepper_.euler(point_, h, first, start_memory_);
     if (trial_.solved == Solved::no_position && round == 0 && flip_ahead(h, instant, first)) continue;
-    if (trial_.solved == Solved::no_position && flip_unstrained(first, instant)) continue;
+    if (trial_.solved == Solved::no_position && ports_.strain() && flip(first, false, instant.time + h, instant, point_.on)) continue;
     if (trial_.solved != Solved::yes) return false;
     if (!flip(first, false, instant.time + h, instant, point_.on) && !flip_at_rest(first, instant)) return true;
   }

@@ -308,10 +308,7 @@ void PortSolver::dispute(const std::vector<int>& ports) {
 
 /// All signs are right: a solution, unless the position contradicts the network. Then the ports it strains most are named.
 Solved PortSolver::found(const Stage& stage, const Position& on, const std::vector<double>& z) {
-  if (!contradicted_) {
-    strain_.clear();
-    return Solved::yes;
-  }
+  if (!contradicted_) return Solved::yes;
   std::vector<double> strain;
   for (std::size_t i = 0; i < on.size(); ++i) strain.push_back(std::abs(stage.free_variable(descriptor_.ports()[i], on[i] == 0, z.data())));
   const double largest = *std::max_element(strain.begin(), strain.end());
@@ -343,7 +340,6 @@ Solved PortSolver::iterate(const Stage& stage, double tolerance, Position& on, s
 
 Solved PortSolver::solve(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z, Search search) {
   disputed_.clear();
-  strain_.clear();
   descriptor_.hold_blocked(on);
   Solved solved = iterate(stage, passive_ ? tolerance::port_sign : tolerance::active_port_sign, on, step, z);
   if (solved != Solved::no_position || contradicted_ || search == Search::newton) return solved;

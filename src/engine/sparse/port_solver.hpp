@@ -58,8 +58,8 @@ class PortSolver {
   [[nodiscard]] std::uint64_t pivots() const { return pivots_; }
   /// Ports that no position satisfied, after `no_position`.
   [[nodiscard]] const std::vector<int>& disputed() const { return disputed_; }
-  /// After `no_position`, where the position contradicts the network: what resolving that by force would change of the unknowns, else empty.
-  [[nodiscard]] const std::vector<double>& strain() const { return strain_; }
+  /// After `no_position`, where the position contradicts the network: what resolving that by force would change of the unknowns, else null.
+  [[nodiscard]] const std::vector<double>* strain() const { return contradicted_ ? &strain_ : nullptr; }
 
  private:
   [[nodiscard]] Solved solve_at(const Stage& stage, const Position& on, std::vector<double>& step, std::vector<double>& z);
