@@ -24,24 +24,29 @@ constexpr std::array<double, 5> euler_scales{1.0, 1.0 / 64.0, 16.0, 0x1p-12, 0x1
 constexpr double shared_jump = 0.5;           ///< of a jump: how far beside it a step that takes it may end
 constexpr int most_jumps = 8;                 ///< one after the other at an instant
 constexpr int most_flips = 8, few_flips = 2;  ///< rounds
-/// Of signs, where they agree in no position; before that solutions with all their digits, where no state jumps, and a closer look at what is fast.
+enum class Ways { directly, by_steps, all };
+/// Of signs, where they agree in no position; before that solutions with all their digits, where no state jumps, and a closer look at what is fast. A guard whose sign is
+/// rounding is first tried on both sides, as steps cost a factor for each length and position.
 struct Relaxation {
   double factor;
   bool takes_positive;
+  Ways ways = Ways::all;
   double length = 1.0;
   bool refines = false;
   bool jumps = true;
 };
-constexpr std::array<Relaxation, 10> relaxations{{{1.0, false},
-                                                  {1.0, false, 1.0, true, false},
+constexpr std::array<Relaxation, 12> relaxations{{{1.0, false, Ways::directly},
+                                                  {1.0, true, Ways::directly},
+                                                  {1.0, false, Ways::by_steps},
+                                                  {1.0, false, Ways::all, 1.0, true, false},
                                                   {1.0, true},
-                                                  {1.0, false, 0x1p-12},
-                                                  {1.0, false, 0x1p-24},
+                                                  {1.0, false, Ways::all, 0x1p-12},
+                                                  {1.0, false, Ways::all, 0x1p-24},
                                                   {30.0, true},
                                                   {1e3, true},
                                                   {1e3, false},
-                                                  {1.0, false, 1.0, true},
-                                                  {1.0, true, 1.0, true}}};
+                                                  {1.0, false, Ways::all, 1.0, true},
+                                                  {1.0, true, Ways::all, 1.0, true}}};
 constexpr double shortest_with_jumps = 1e-5;  ///< of the usual length: in steps for shorter segments impulses leave states no digits
 constexpr char idle_mark = 2;                 ///< of a port that is on and carries nothing
 constexpr std::size_t last_coefficients = 3;
@@ -216,7 +221,9 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
   const Position ahead = std::exchange(position_ahead_, Position{});
   bool found = false;
   const Standing before{point_.z, start_memory_, states_};
+  const bool has_moved = point_.time > segment_->start();  // else guards at rounding could pass each other for ever
   for (const Relaxation& relaxation : relaxations) {
+    if (!has_moved && relaxation.takes_positive && relaxation.ways == Ways::directly) continue;
     segment_->relax(relaxation.factor, relaxation.takes_positive);
     segment_->shorten(relaxation.length);
     segment_->refine(relaxation.refines);
@@ -227,7 +234,8 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
     jump_terms_.clear();
     jumps_taken_.clear();
     const Position& candidate = ahead.empty() ? beginning.on : ahead;
-    found = follows_directly(candidate) || follows_by_ties(beginning, candidate) || find_after_steps(beginning, instant);
+    found = relaxation.ways != Ways::by_steps && follows_directly(candidate);
+    if (!found && relaxation.ways != Ways::directly) found = follows_by_ties(beginning, candidate) || find_after_steps(beginning, instant);
     if (found && relaxation.refines) segment_->refine_position();
     if (found || !failure_.id.empty()) break;
   }
