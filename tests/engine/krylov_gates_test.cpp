@@ -188,16 +188,6 @@ TEST_CASE("exact segments give the same with other shifts", "[unit]") {
   SECTION("a six-pulse bridge with filters") { check_other_shifts(six_pulse(), {.stop = 0.04, .steps = 400}); }
 }
 
-// Where an arm's current passes zero, its 400 diodes follow one another within femtoseconds, and what is left of the others is rounding: each instant tried some fifty positions, 26 solutions for
-// an event. 15: gate 1 of the engine's design (docs/validation/large.md).
-TEST_CASE("exact segments of a multilevel converter of 400 submodules take few solutions for an event", "[unit][long]") {
-  constexpr double most_solutions = 15.0;
-  const Run run = simulate_segments(multilevel(400).network(), {.stop = 0.02, .steps = 500});
-  REQUIRE(run.answer.outcome == engine::Outcome::completed);
-  const auto& statistics = run.answer.statistics;
-  CHECK(static_cast<double>(statistics.klu_solves) <= most_solutions * static_cast<double>(statistics.events));
-}
-
 TEST_CASE("exact segments follow a six-pulse bridge with filters as the dense engine does", "[unit]") {
   const TestCircuit c = six_pulse();
   const Setup setup{.stop = 0.04, .steps = 400};

@@ -131,6 +131,16 @@ TEST_CASE("diodes of one arm that begin to conduct together", "[regression]") {
   }
 }
 
+// Where an arm's current passes zero, its 400 diodes follow one another within femtoseconds, and what is left of the others is rounding: some fifty positions were tried at each of these instants, 26
+// solutions for an event of the run. 15: gate 1 of docs/validation/large.md.
+TEST_CASE("Krylov segments of a multilevel converter of 400 submodules take few solutions for an event", "[regression][long]") {
+  constexpr double most_solutions = 15.0;
+  const DeckRun run = run_text_segments(multilevel_leg(400));
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  const auto& statistics = run.answer.statistics;
+  CHECK(static_cast<double>(statistics.klu_solves) <= most_solutions * static_cast<double>(statistics.events));
+}
+
 // Its sixteen ideal sections reach a diode at orders of the source's ramp that rounding hides: the guards leave zero unseen, and small.
 TEST_CASE("diodes along a line of L and C are followed without sampling", "[regression]") {
   constexpr int sections = 16;
