@@ -151,10 +151,16 @@ void give_lines(model::Network& network, const std::vector<Fitted>& fitted) {
   count_added(network, model::Term::Kind::diode_current, added);
 }
 
+/// What a circuit is must not depend on how its exact solution is found: the lines of a diode are chosen by the charge in bins of its current, which another cut of the solution into pieces rounds
+/// in another way.
+EngineChoice engine_of_preliminary_runs(EngineChoice choice) {
+  return choice == EngineChoice::krylov || choice == EngineChoice::modes ? EngineChoice::exact : choice;
+}
+
 class DiodeFit {
  public:
   DiodeFit(const circuit::Compiled& compiled, EngineChoice choice, double reltol, const std::atomic<int>* interrupt)
-      : network_(compiled.network), choice_(choice), reltol_(reltol), interrupt_(interrupt) {
+      : network_(compiled.network), choice_(engine_of_preliminary_runs(choice)), reltol_(reltol), interrupt_(interrupt) {
     network_.signals.clear();
     for (std::size_t k = 0; k < network_.diodes.size(); ++k) {
       const model::Diode& diode = network_.diodes[k];

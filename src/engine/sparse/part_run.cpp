@@ -81,7 +81,8 @@ PartRun::PartRun(const Part& part, const Request& request, double reltol, Method
   h_max_ = std::min(most_steps_of_run * request.stop, longest_step(sources_.shortest_period(), reltol));
   level_ = first_level;
   tolerance_ = tolerance::merge * request.stop;
-  break_tolerance_ = tolerance::same_break * request.stop;
+  break_tolerance_ =
+      (method == Method::segments ? tolerance::merge : tolerance::same_break) * request.stop;  // only steps have a shortest length
   shortest_ = std::max(shortest_share * std::sqrt(reltol) * fastest_time(part.island.network), tolerance::shortest_step * request.stop);
 }
 

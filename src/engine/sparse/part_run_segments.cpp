@@ -55,7 +55,13 @@ constexpr std::array<double, 3> inner_points{0.066987298107780677, 0.5, 0.933012
 
 }  // namespace
 
-double PartRun::room() const { return (next_break() < request_.stop ? next_break() : request_.stop) - point_.time; }
+/// Until what is known to happen next. A segment that begins where the run ends, as a source jumps there, has the room that it would have if the run went on: signs are not to be judged in one of
+/// rounding's size.
+double PartRun::room() const {
+  const double next = next_break(), time = point_.time;
+  if (is_same_instant(time, request_.stop)) return std::min(next, 2.0 * request_.stop) - time;
+  return std::min(next, request_.stop) - time;
+}
 
 ExactSegment::Opened PartRun::open_segment(const Position& on) {
   if (++openings_ > most_openings_ && most_openings_ > 0) {
