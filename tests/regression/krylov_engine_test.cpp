@@ -1,5 +1,7 @@
 /// Decks by exact segments (`--engine krylov`), against the same references as the exact engine.
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <string>
 
 #include "regression/comparison.hpp"
 #include "regression/deck_run.hpp"
@@ -53,4 +55,24 @@ TEST_CASE("a run by Krylov segments may end where a switch closes", "[regression
   REQUIRE(run.answer.outcome == pwlsim::engine::Outcome::completed);
   CHECK(run.rows.back()[0] == 50e-6);
   CHECK(run.rows.back()[1] == Approx(12.0).epsilon(1e-9));
+}
+
+// `time` is a source that rises beyond any run, to 10¹⁵: voltages counted as small beside that, and guards as rounding. The relay of netlists/paper/relay.net in closed form: x = 1/4 − t + t²/2 until it
+// is 0 at t = 1 − √½, where it stays until t = 1; from there (t − 1)²/2. At rest the diode to ground carries 1 mA, what is left of the 2 mA through R1: v(b) = 0.
+TEST_CASE("time itself is no larger than the run by segments and by implicit steps", "[regression]") {
+  const std::string relay =
+      "relay\nC1 x 0 1 ic=0.25\nB1 0 x I={time}\nA1 x %i x relay\n.model relay relay(level=1)\n.save v(x)\n.tran 0.1 2 uic\n";
+  const std::string diodes =
+      "at rest\nB1 a 0 V={time+2}\nR1 a b 1k\nD1 b 0 DX\nD2 0 b DX\nR2 b c 1k\nV2 c 0 -1\n.model DX D\n.save v(b)\n.tran 1n 2n\n";
+  const auto check = [](const DeckRun& run, const auto& expected, double bound) {
+    INFO(run.answer.id << " " << run.answer.message);
+    REQUIRE(run.answer.outcome == pwlsim::engine::Outcome::completed);
+    for (const auto& row : run.rows) CHECK(std::abs(row[1] - expected(row[0])) <= bound);
+  };
+  const auto x = [](double t) { return t < 1.0 - std::sqrt(0.5) ? 0.25 - t + 0.5 * t * t : t < 1.0 ? 0.0 : 0.5 * (t - 1.0) * (t - 1.0); };
+  check(run_text_segments(relay), x, 1e-11);
+  check(run_text_sparse(relay, 1e-6), x, 1e-5);
+  const auto rest = [](double) { return 0.0; };
+  check(run_text_segments(diodes), rest, 1e-11);
+  check(run_text_sparse(diodes, 1e-6), rest, 1e-11);
 }

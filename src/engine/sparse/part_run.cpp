@@ -41,9 +41,9 @@ double longest_step(double period, double reltol) {
   return period * std::min(most_steps_of_period, std::cbrt(reltol / parabola_error) / (2.0 * std::numbers::pi));
 }
 
-double scale_of_sources(const model::Network& network, const Descriptor& descriptor, PartRun::Method method) {
-  const double voltage = largest_held_voltage(network);
-  return method == PartRun::Method::steps ? voltage : std::max(voltage, descriptor.r0() * largest_injected_current(network));
+double scale_of_sources(const model::Network& network, const Descriptor& descriptor, PartRun::Method method, double stop) {
+  const double voltage = largest_held_voltage(network, stop);
+  return method == PartRun::Method::steps ? voltage : std::max(voltage, descriptor.r0() * largest_injected_current(network, stop));
 }
 
 }  // namespace
@@ -53,7 +53,7 @@ PartRun::PartRun(const Part& part, const Request& request, double reltol, Method
       request_(request),
       reltol_(reltol),
       descriptor_(part.descriptor),
-      source_scale_(scale_of_sources(part.island.network, part.descriptor, method)),
+      source_scale_(scale_of_sources(part.island.network, part.descriptor, method, request.stop)),
       factors_(part.island.network, descriptor_, reltol),
       ports_(descriptor_, factors_, source_scale_),
       sources_(part.island.network),

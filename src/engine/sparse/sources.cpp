@@ -31,46 +31,56 @@ double Sources::shortest_period() const {
   return period;
 }
 
-double largest_value(const model::SourceFunction& function) {
-  struct Bound {
-    double operator()(const model::Dc& f) const { return std::abs(f.value); }
-    double operator()(const model::Held& f) const { return std::abs(f.value); }
-    double operator()(const model::Sin& f) const { return std::abs(f.offset) + std::abs(f.amplitude); }
-    double operator()(const model::Pulse& f) const { return std::max(std::abs(f.initial), std::abs(f.pulsed)); }
-    double operator()(const model::Pwl& f) const {
-      double largest = 0.0;
-      for (const auto& point : f.points) largest = std::max(largest, std::abs(point.value));
-      return largest;
-    }
-    double operator()(const model::Exp& f) const { return std::max(std::abs(f.v1), std::abs(f.v2)); }
-  };
-  return std::visit(Bound{}, function);
-}
-
 namespace {
 
+/// Of a function of straight lines; two periods show all that it repeats.
+double largest_on(const model::Track& track, double stop) {
+  model::Track::Cursor cursor = track.before(0.0);
+  double largest = std::abs(cursor.at(0.0));
+  for (std::size_t left = track.prefix.size() + 2 * track.loop.size() + 1; left > 0; --left) {
+    largest = std::max(largest, std::abs(cursor.at(std::min(cursor.next, stop))));
+    if (!(cursor.next <= stop) || cursor.next == model::forever) break;
+    track.advance(cursor);
+    largest = std::max(largest, std::abs(cursor.value));
+  }
+  return largest;
+}
+
 /// Of a form, as far as sources and constants go.
-double largest_of_sources(const model::LinearForm& form, const model::Network& network) {
+double largest_of_sources(const model::LinearForm& form, const model::Network& network, double stop) {
   double sum = 0.0;
   for (const auto& term : form) {
     if (term.kind == model::Term::Kind::one) sum += std::abs(term.coefficient);
     if (term.kind == model::Term::Kind::source)
-      sum += std::abs(term.coefficient) * largest_value(network.sources[static_cast<std::size_t>(term.index)].function);
+      sum += std::abs(term.coefficient) * largest_value(network.sources[static_cast<std::size_t>(term.index)].function, stop);
   }
   return sum;
 }
 
 }  // namespace
 
-double largest_held_voltage(const model::Network& network) {
+double largest_value(const model::SourceFunction& function, double stop) {
+  struct Bound {
+    double stop;
+    double operator()(const model::Dc& f) const { return std::abs(f.value); }
+    double operator()(const model::Held& f) const { return std::abs(f.value); }
+    double operator()(const model::Sin& f) const { return std::abs(f.offset) + std::abs(f.amplitude); }
+    double operator()(const model::Pulse& f) const { return largest_on(model::make_track(f), stop); }
+    double operator()(const model::Pwl& f) const { return largest_on(model::make_track(f), stop); }
+    double operator()(const model::Exp& f) const { return std::max(std::abs(f.v1), std::abs(f.v2)); }
+  };
+  return std::visit(Bound{stop}, function);
+}
+
+double largest_held_voltage(const model::Network& network, double stop) {
   double largest = 0.0;
-  for (const auto& branch : network.branches) largest = std::max(largest, largest_of_sources(branch.voltage, network));
+  for (const auto& branch : network.branches) largest = std::max(largest, largest_of_sources(branch.voltage, network, stop));
   return largest;
 }
 
-double largest_injected_current(const model::Network& network) {
+double largest_injected_current(const model::Network& network, double stop) {
   double largest = 0.0;
-  for (const auto& injection : network.injections) largest = std::max(largest, largest_of_sources(injection.current, network));
+  for (const auto& injection : network.injections) largest = std::max(largest, largest_of_sources(injection.current, network, stop));
   return largest;
 }
 

@@ -31,12 +31,12 @@ class Sources {
   mutable std::vector<double> zeta_;
 };
 
-/// The largest magnitude a function takes, or a bound of it.
-[[nodiscard]] double largest_value(const model::SourceFunction& function);
+/// The largest magnitude a function takes from 0 to `stop` (s), or a bound of it: `time` itself rises beyond any run.
+[[nodiscard]] double largest_value(const model::SourceFunction& function, double stop);
 
-/// The largest voltage that a branch of sources holds, in V.
-[[nodiscard]] double largest_held_voltage(const model::Network& network);
+/// The largest voltage that a branch of sources holds until then, in V.
+[[nodiscard]] double largest_held_voltage(const model::Network& network, double stop);
 /// The same of currents that sources drive between nodes, A.
-[[nodiscard]] double largest_injected_current(const model::Network& network);
+[[nodiscard]] double largest_injected_current(const model::Network& network, double stop);
 
 }  // namespace pwlsim::engine::sparse

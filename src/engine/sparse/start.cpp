@@ -33,7 +33,7 @@ class RestFinder {
   RestFinder(const Network& network, const Descriptor& descriptor)
       : descriptor_(descriptor),
         factors_(network, descriptor),
-        ports_(descriptor, factors_, largest_held_voltage(network)),
+        ports_(descriptor, factors_, largest_held_voltage(network, 0.0)),
         controls_(controls_of(network, descriptor)) {
     on = first_position(network, descriptor);
     Sources(network).evaluate(0.0, w_);
