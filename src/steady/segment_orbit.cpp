@@ -371,7 +371,7 @@ class SegmentSearch {
   /// What is left of a step of Newton's method, or where that has no derivative, of the residual: rounding of a lap leaves the more, the slower the orbit attracts.
   void take_uncertainty() {
     orbit_.uncertainty = share_of_unit(residual_);
-    if (norm_ <= tolerance::exact_lap * orbit_.largest) return;
+    if (!(norm_ > 0.0)) return;
     const auto space = space_for(residual_, 1.0, tolerance::solved_roughly);
     orbit_.kink.clear();
     if (space && space->part_at_one(tolerance::multiplier_at_one).norm() == 0.0)
