@@ -49,6 +49,10 @@ class DerivativeSpace {
   [[nodiscard]] Vector unknowns(const Vector& coordinates) const;
   [[nodiscard]] Vector mapped(const Vector& coordinates) const;
   [[nodiscard]] Vector measured(const Vector& coordinates) const;
+  /// V, in both forms, and Vᵀ Φ V.
+  [[nodiscard]] Matrix basis() const { return vectors_.leftCols(dimension_); }
+  [[nodiscard]] Matrix measured_basis() const { return measured_.leftCols(dimension_); }
+  [[nodiscard]] Matrix reduced() const { return h_.topRows(dimension_); }
   /// The part of the start along eigenvalues within `width` of 1, in V.
   [[nodiscard]] Vector part_at_one(double width) const;
 

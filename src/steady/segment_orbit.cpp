@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "steady/derivative_space.hpp"
+#include "steady/known_inverse.hpp"
 #include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
@@ -33,7 +34,7 @@ constexpr double damping = 0.25, least_damping = 1.0 / 64.0;  ///< of those that
 /// Of the residual of the best state: where one after the other of many stages begins to conduct, the residual rises and falls on the way to the orbit.
 constexpr double far_worse = 8.0;
 constexpr int drifts_followed = 5;
-constexpr int most_returns = 8;  ///< to the best state, from runs that fail
+constexpr int most_returns = 8;  ///< towards the best state, from runs that fail
 constexpr int leading = 6;       ///< multipliers sought
 constexpr int looks_apart = 10;  ///< vectors between two looks at eigenvalues
 constexpr int most_for_multipliers = 160;
@@ -129,13 +130,20 @@ class SegmentSearch {
     return ((periods <= 1 || simulate((periods - 1) * task_.multiple)) && lap()) || go_back();
   }
 
-  /// A run that fails on the way, from a state that no motion leads to: the search follows the motion from the best one so far. False: failed.
+  /// A run that fails on the way: the search begins again from between the state that it began with and the best one so far, half as far from that each time. (The motion from the best one itself
+  /// may lead to the same failure again.) False: failed.
   bool go_back() {
-    if (orbit_.verdict == Verdict::interrupted || best_state_.empty() || ++returns_ > most_returns) return false;
-    state_ = best_state_;
-    follows_ = implicit_steps;
-    inner_ = 0;
-    return lap();
+    const Vector failed = map_.unknowns(state_);
+    while (orbit_.verdict != Verdict::interrupted && !best_state_.empty() && returns_ < most_returns) {
+      const Vector best = map_.unknowns(best_state_);
+      const double share = std::ldexp(1.0, -++returns_);
+      state_ = best_state_;
+      map_.step_to(state_, (1.0 - share) * best + share * failed);
+      follows_ = implicit_steps;
+      inner_ = 0;
+      if (lap()) return true;
+    }
+    return false;
   }
 
   [[nodiscard]] bool is_small() const {
@@ -145,15 +153,54 @@ class SegmentSearch {
 
   /// A space that solves (s − Φ) δ = right. Empty: Φ has no products.
   [[nodiscard]] std::optional<DerivativeSpace> space_for(const Vector& right, double s, double wanted) {
-    DerivativeSpace space(phi_, right);
-    while (!space.is_full() && space.dimension() < most_vectors) {
+    return space_of(phi_, right, s, wanted, most_vectors);
+  }
+
+  /// The same with what is known of Φ, and so many vectors at most.
+  [[nodiscard]] std::optional<DerivativeSpace> space_of(const DerivativeSpace::Operator& phi, const Vector& right, double s, double wanted,
+                                                        int most) {
+    DerivativeSpace space(phi, right);
+    while (!space.is_full() && space.dimension() < most) {
       if (!space.grow()) {
         orbit_.kink = map_.failure();
         return std::nullopt;
       }
-      if (space.dimension() % few_vectors == 0 && space.residual(s) <= wanted) break;
+      if ((space.dimension() <= few_vectors || space.dimension() % few_vectors == 0) && space.residual(s) <= wanted) break;
     }
     return space;
+  }
+
+  /// (1 − Φ) δ = right by what is known of the inverse. Empty: it takes more vectors than without, and is forgotten.
+  [[nodiscard]] std::optional<Vector> solve_by_known(const Vector& right, double wanted, bool learns) {
+    if (known_.is_empty()) return std::nullopt;
+    const auto space = space_of(known_.psi(), right, 1.0, wanted, vectors_of_phi_);
+    if (!space || !(space->residual(1.0) <= wanted)) {
+      known_.forget();
+      return std::nullopt;
+    }
+    Vector delta = known_.applied(space->solve(1.0).delta);
+    if (learns) known_.learn(*space);
+    return delta;
+  }
+
+  struct Correction {
+    Vector delta, mapped;  ///< (1 − Φ) δ is the residual, and Φ δ
+    Vector drift;          ///< what of the residual no δ has, in √J; may be empty
+  };
+  /// Empty: Φ has no products.
+  [[nodiscard]] std::optional<Correction> correction() {
+    if (auto delta = solve_by_known(residual_, tolerance::solved_system, true)) {
+      Vector mapped = *delta;  // by the product itself: its zeros are exact
+      if (!phi_.apply(mapped)) return std::nullopt;
+      return Correction{std::move(*delta), std::move(mapped), {}};
+    }
+    const auto space = space_for(residual_, 1.0, tolerance::solved_system);
+    if (!space) return std::nullopt;
+    DerivativeSpace::Solution solution = space->solve(1.0);
+    vectors_of_phi_ = space->dimension();
+    known_.learn(*space);
+    return Correction{std::move(solution.delta), std::move(solution.mapped),
+                      space->measured(space->part_at_one(tolerance::multiplier_at_one))};
   }
 
   /// A step from the lap at hand.
@@ -190,13 +237,12 @@ class SegmentSearch {
   /// A step of Newton's method. It must pass the natural test, or be one of a few that need not. `done`: no step lessens the residual, which is rounding.
   Progress newton_step() {
     orbit_.kink.clear();
-    const auto space = space_for(residual_, 1.0, tolerance::solved_system);
     const bool is_close = norm_ <= tolerance::close_lap * orbit_.largest;
-    if (!space) return is_close && stands_still() ? Progress::done : stuck_without_derivative();
-    const DerivativeSpace::Solution solution = space->solve(1.0);
-    const Vector part = space->measured(space->part_at_one(tolerance::multiplier_at_one));
-    if (part.norm() > tolerance::unreachable_residual * orbit_.largest) return drift(part);
-    Trial trial = try_step(solution.mapped);
+    if (is_close) known_.forget();  // its rounding would be that of the orbit
+    const std::optional<Correction> found = correction();
+    if (!found) return is_close && stands_still() ? Progress::done : stuck_without_derivative();
+    if (found->drift.norm() > tolerance::unreachable_residual * orbit_.largest) return drift(found->drift);
+    Trial trial = try_step(found->mapped);
     if (trial.is_interrupted()) {
       fail(std::move(trial.answer));
       return Progress::failed;
@@ -206,15 +252,20 @@ class SegmentSearch {
       if (trial.norm < norm_) accept(std::move(trial));
       return Progress::done;
     }
-    if (!passes(trial, map_.energies(solution.delta).norm()) && bold_-- <= 0) return Progress::stuck;
+    if (!passes(trial, map_.energies(found->delta).norm()) && bold_-- <= 0) return Progress::stuck;
     accept(std::move(trial));
     return Progress::stepped;
   }
 
   /// Deuflhard's natural test: the step that Φ, of the point before, makes from the trial is shorter.
   bool passes(const Trial& trial, double length) {
-    const auto space = space_for(trial.residual, 1.0, tolerance::solved_roughly);
-    return space && map_.energies(space->solve(1.0).delta).norm() <= natural * length;
+    auto delta = solve_by_known(trial.residual, tolerance::solved_roughly, false);
+    if (!delta) {
+      const auto space = space_for(trial.residual, 1.0, tolerance::solved_roughly);
+      if (!space) return false;
+      delta = space->solve(1.0).delta;
+    }
+    return map_.energies(*delta).norm() <= natural * length;
   }
 
   Progress stuck_without_derivative() { return go_on(1) ? Progress::stepped : Progress::failed; }
@@ -282,6 +333,7 @@ class SegmentSearch {
     best_state_ = state_;
     best_norm_ = norm_;
     bold_ = steps_that_need_not_pay;
+    returns_ = 0;
   }
 
   bool begin_to_follow() {
@@ -319,7 +371,7 @@ class SegmentSearch {
   /// What is left of a step of Newton's method, or where that has no derivative, of the residual: rounding of a lap leaves the more, the slower the orbit attracts.
   void take_uncertainty() {
     orbit_.uncertainty = share_of_unit(residual_);
-    if (norm_ <= tolerance::exact_lap * orbit_.largest) return;
+    if (!(norm_ > 0.0)) return;
     const auto space = space_for(residual_, 1.0, tolerance::solved_roughly);
     orbit_.kink.clear();
     if (space && space->part_at_one(tolerance::multiplier_at_one).norm() == 0.0)
@@ -440,6 +492,8 @@ class SegmentSearch {
   const OrbitTask& task_;
   State& state_;
   DerivativeSpace::Operator phi_;
+  KnownInverse known_{phi_};
+  int vectors_of_phi_ = 0;  ///< of the last space that began without it
   Orbit orbit_;
   State end_, best_state_, anchor_state_;
   Vector residual_, anchor_;  ///< the point from which an implicit step is taken

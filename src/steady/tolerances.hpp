@@ -74,9 +74,6 @@ inline constexpr double lap_rounding = 1e-15;
 /// Of: the largest state.
 /// Why: as `close_residual`: segments have a digit less. From here on a residual that no step lessens is rounding.
 inline constexpr double close_lap = 1e-9;
-/// Of: the largest state.
-/// Why: a segment's tolerance: a smaller residual leaves nothing to look at.
-inline constexpr double exact_lap = 1e-12;
 /// Of: one, as a distance from an eigenvalue of the derivative.
 /// Why: segments know an eigenvalue to about nine digits: it is 1.
 inline constexpr double multiplier_at_one = 1e-9;

@@ -4,9 +4,12 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "steady/known_inverse.hpp"
+
 using pwlsim::linalg::Matrix;
 using pwlsim::linalg::Vector;
 using pwlsim::steady::DerivativeSpace;
+using pwlsim::steady::KnownInverse;
 
 namespace {
 
@@ -78,4 +81,55 @@ TEST_CASE("what a period adds is the part of the residual along the eigenvalue 1
   while (!space.is_full()) REQUIRE(space.grow());
   const Vector part = space.unknowns(space.part_at_one(1e-9));
   CHECK((part - (Vector(3) << 1.6, 0.0, 0.0).finished()).norm() <= 1e-12);
+}
+
+// Φ differs by rank one from a map whose inverse is known: Ψ is of rank one, so that its space is full after two vectors.
+TEST_CASE("what is known of an inverse leaves few vectors to find for the next map", "[unit]") {
+  constexpr int n = 30;
+  Matrix phi = known_map(n).phi;
+  const auto operation = operator_of(phi);
+  const Vector right = Vector::LinSpaced(n, 1.0, 2.0);
+  KnownInverse inverse(operation);
+  const auto space_of = [&] {
+    DerivativeSpace space(inverse.psi(), right);
+    while (!space.is_full() && (space.dimension() == 0 || space.residual(1.0) > 1e-10)) REQUIRE(space.grow());
+    return space;
+  };
+  const DerivativeSpace first = space_of();
+  inverse.learn(first);
+  REQUIRE(!inverse.is_empty());
+  phi += 0.1 * right * Vector::Unit(n, 3).transpose();
+  const DerivativeSpace next = space_of();
+  CHECK(first.dimension() >= 10);
+  CHECK(next.dimension() <= 4);
+  const Vector delta = inverse.applied(next.solve(1.0).delta);
+  CHECK((delta - phi * delta - right).norm() <= 1e-9 * right.norm());
+  inverse.forget();
+  CHECK(inverse.is_empty());
+}
+
+TEST_CASE("no known inverse solves for what a period adds", "[unit]") {
+  Matrix phi = Matrix::Zero(3, 3);
+  phi(0, 0) = 0.9;
+  phi(0, 1) = 0.3;
+  phi(1, 1) = 0.5;
+  phi(2, 2) = 0.2;
+  const auto operation = operator_of(phi);
+  const Vector right = (Vector(3) << 1.0, 1.0, 1.0).finished();
+  KnownInverse inverse(operation);
+  const auto space_of = [&] {
+    DerivativeSpace space(inverse.psi(), right);
+    while (!space.is_full()) REQUIRE(space.grow());
+    return space;
+  };
+  inverse.learn(space_of());
+  phi(0, 0) = 1.0;  // the left eigenvector of 1 is (1, 0.6, 0): so much of the right-hand side is out of reach
+  const DerivativeSpace space = space_of();
+  CHECK(space.residual(1.0) >= 1.6 / std::sqrt(1.36 * 3.0) - 1e-9);
+  const DerivativeSpace singular = [&] {
+    inverse.forget();
+    return space_of();
+  }();
+  inverse.learn(singular);
+  CHECK(inverse.is_empty());
 }

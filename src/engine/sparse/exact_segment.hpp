@@ -36,6 +36,8 @@ class ExactSegment {
   [[nodiscard]] bool is_refined() const { return refines_ || habits_.at(key_).refines; }
   /// The port whose guard has just passed zero, on its other side; −1: none.
   void note_passing(int port) { passing_ = port; }
+  /// An instant that finds the ports in that position, at z.
+  void note_instant(double time, const Position& on, const std::vector<double>& z);
 
   /// States come from a jump at which voltages were as large as this: their rounding is of it. 0: no longer.
   void note_jump(double voltage) { jump_voltage_ = voltage; }
@@ -197,6 +199,7 @@ class ExactSegment {
   bool takes_positive_ = false, refines_ = false;
   bool has_all_decays_ = false;  ///< of all rates: all vectors there are do not resolve them at the usual γ
   int passing_ = -1;
+  std::vector<double> held_;  ///< of ports: the slack they have, or had, while on, until that is left behind
   bool rejects_early_ = false, is_rejected_ = false, keeps_tolerance_ = false;
   double present_tolerance_ = 0.0;  ///< of the segment at hand
   int vectors_of_last_ = 0, vectors_of_one_before_ = 0;

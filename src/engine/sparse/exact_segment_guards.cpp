@@ -12,6 +12,7 @@ namespace {
 
 constexpr double noise_of_tolerance = 10.0;  ///< terms of a guard, against the tolerance
 constexpr double share_of_norm = 0.1;
+constexpr double beyond_held = 2.0;  ///< of a slack that was held at zero: what is no rounding of it
 constexpr int most_derivatives = 4;  ///< at the start: what begins with a higher power of time is at rest until it is visible
 
 }  // namespace
@@ -121,8 +122,23 @@ void ExactSegment::note_rounding() {
     if (is_input) m.guard_noise[i] *= relaxation_;
     if (m.guard_norm[i] > 0.0)
       m.guard_noise[i] = std::max(m.guard_noise[i], tolerance::row_rounding / share_of_norm * terms_of(i) / (m.guard_norm[i] * y.norm()));
+    const double held = i < ports && jump_voltage_ == 0.0 ? held_[static_cast<std::size_t>(i)] : 0.0;
     if (least > 0.0)
-      m.guard_noise[i] = std::max({m.guard_noise[i], rounding * size / least, tolerance::jump_rounding * jump_voltage_ / least});
+      m.guard_noise[i] =
+          std::max({m.guard_noise[i], std::max(rounding * size, held) / least, tolerance::jump_rounding * jump_voltage_ / least});
+  }
+}
+
+/// A port that is on holds its slack at zero as far as solutions are corrected (StartChange::closing): what is left of it there is rounding in the states, and no voltage when the port turns off.
+void ExactSegment::note_instant(double time, const Position& on, const std::vector<double>& z) {
+  std::vector<double> w;
+  for (std::size_t i = 0; i < held_.size(); ++i) {
+    if (on[i] == 0 && held_[i] == 0.0) continue;
+    if (w.empty()) sources_.evaluate(time, w);
+    const DescriptorPort& port = descriptor_.ports()[i];
+    const double slack = std::abs(port.slack.value(z.data(), w.data()));
+    const double most = on[i] != 0 ? tolerance::guard_sign * port.slack_size(z.data(), w.data()) : held_[i];
+    held_[i] = slack > most ? 0.0 : on[i] != 0 ? beyond_held * slack : held_[i];
   }
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t most_bytes = 192u << 20;  ///< of all factors together
 constexpr std::size_t bytes_of_entry = 16;
-constexpr std::size_t fewest_factors = 3, most_factors = 256;
+constexpr std::size_t fewest_factors = 3, most_factors = 1024;  ///< a period of hundreds of segments is gone through again and again
 constexpr std::size_t first_kept = 16, growth_of_kept = 2;  ///< factors; where one that was given up is wanted again, so many times more
 constexpr std::size_t most_given_up = 4096;                 ///< that are known
 /// A position so few ports away from one that is factored is reached by their columns, of which it may have so many times more; solved for so often, by a factor of its

@@ -324,6 +324,7 @@ bool PartRun::begin_segment() {
   const std::vector<double> states = states_, z = point_.z;
   ties_->note_input_terms(segment_->input_terms());
   segment_->note_passing(passing_);
+  segment_->note_instant(time, position_before_, z);
   const bool is_found = find_segment(beginning, instant);
   segment_->note_passing(passing_ = -1);
   if (!is_found) return false;
