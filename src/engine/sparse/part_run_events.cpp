@@ -36,21 +36,22 @@ int restart_levels(double reltol) { return 3 - static_cast<int>(std::floor(std::
 /// Where the position of the last solution contradicts the network, as two switches across a source do while the logic between them is on its way, those change whose controls
 /// the contradiction does not reach.
 bool PartRun::flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on) {
-  bool flipped = false;
   const std::vector<double>* strain = by_sources ? nullptr : ports_.strain();
   const double unknown = largest(point_.z);
+  std::vector<const WatchedControl*> violated;
   if (by_sources) sources_.evaluate(time, w_);
   for (const WatchedControl& control : controls_) {
-    if (control.by_sources() != by_sources) continue;
+    if (control.by_sources() != by_sources || (!violated.empty() && control.turn > violated.front()->turn)) continue;
     const double value = control.value.value(at.z.data(), by_sources ? w_.data() : at.w.data());
     const double margin = control.margin(on, value);
     if (margin >= -control.noise(value, unknown)) continue;
     if (strain != nullptr && std::abs(Form::sum(control.value.z, strain->data())) > most_strain * -margin) continue;
-    on[control.port] ^= 1;
-    flipped = true;
-    instant.mode_change = true;
+    if (!violated.empty() && control.turn < violated.front()->turn) violated.clear();
+    violated.push_back(&control);
   }
-  return flipped;
+  for (const WatchedControl* control : violated) on[control->port] ^= 1;
+  instant.mode_change |= !violated.empty();
+  return !violated.empty();
 }
 
 /// Switches whose control is at a threshold that counts as passed where it rests there, once each. Impulses make the unknowns of a first step large,

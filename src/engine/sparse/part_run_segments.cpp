@@ -24,19 +24,21 @@ constexpr std::array<double, 5> euler_scales{1.0, 1.0 / 64.0, 16.0, 0x1p-12, 0x1
 constexpr double shared_jump = 0.5;           ///< of a jump: how far beside it a step that takes it may end
 constexpr int most_jumps = 8;                 ///< one after the other at an instant
 constexpr int most_flips = 8, few_flips = 2;  ///< rounds
-/// Of signs, where they agree in no position; before that solutions with all their digits, where no state jumps, and a closer look at what is fast.
+/// Of signs, where they agree in no position; before that solutions with all their digits, where no state jumps, a closer look at what is fast, and, where nothing follows that, its decay as a jump.
 struct Relaxation {
   double factor;
   bool takes_positive;
   double length = 1.0;
   bool refines = false;
   bool jumps = true;
+  bool decays_jump = false;
 };
-constexpr std::array<Relaxation, 10> relaxations{{{1.0, false},
+constexpr std::array<Relaxation, 11> relaxations{{{1.0, false},
                                                   {1.0, false, 1.0, true, false},
                                                   {1.0, true},
                                                   {1.0, false, 0x1p-12},
                                                   {1.0, false, 0x1p-24},
+                                                  {1.0, false, 1.0, false, true, true},
                                                   {30.0, true},
                                                   {1e3, true},
                                                   {1e3, false},
@@ -99,7 +101,7 @@ PartRun::Sought PartRun::seek_segment(const Beginning& beginning, Instant& insta
   const bool differs = difference(states_, first_.z) > tolerance::jump;
   if (differs && segment_->distance(point_.z, first_.z) > least_distance()) {
     if (!may_jump_) return Sought::not_found;
-    if (!is_shared_by(step)) return Sought::not_found;
+    if (!is_shared_by(step, h)) return Sought::not_found;
     instant.jump = true;
     return take_jump_of(step, h);
   }
@@ -115,10 +117,13 @@ PartRun::Sought PartRun::seek_segment(const Beginning& beginning, Instant& insta
   return take_jump_of(step, h);
 }
 
-/// Whether the Euler step that found the position jumps where the segment does. A segment of many scales may miss the point it begins at.
-bool PartRun::is_shared_by(const Point& step) const {
+/// Whether the Euler step of length h that found the position jumps where the segment does. Where decays jump, it may go on from there, as such a step from the segment's start does. A
+/// segment of many scales may miss the point it begins at.
+bool PartRun::is_shared_by(const Point& step, double h) const {
   if (segment_->share() < shortest_with_jumps) return false;
-  return !start_memory_.empty() || segment_->distance(step.z, first_.z) <= shared_jump * segment_->distance(point_.z, first_.z);
+  if (!start_memory_.empty()) return true;
+  const std::vector<double> end = decays_jump_ ? segment_->euler_end(h) : first_.z;
+  return segment_->distance(step.z, end) <= shared_jump * segment_->distance(point_.z, first_.z);
 }
 
 /// From a point without a jump, in a position that fits it but for ports at zero: these settle among themselves, in steps of several lengths until the signs of
@@ -221,6 +226,7 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
     segment_->shorten(relaxation.length);
     segment_->refine(relaxation.refines);
     may_jump_ = relaxation.jumps;
+    decays_jump_ = relaxation.decays_jump;
     stand(before);
     jump_steps_ = {};
     jump_impulses_.clear();
@@ -328,7 +334,8 @@ bool PartRun::begin_segment() {
         describe_jump(part_, {time, states, after}, {h, jump_steps_.first, jump_steps_.second}, tolerance::told_impulse));
   }
   if (instant.jump && request_.probes.sink != nullptr) note_segment_impulses();
-  certificate_.add_point(next, ports_, 1.0 / segment_->length(), segment_->rising());
+  const double length = segment_->locate(std::min(next_break(), request_.stop) - segment_->start()).tau;
+  certificate_.add_point(next, ports_, 1.0 / segment_->length(), segment_->rising(), effect_within(length));
   certificate_.add_estimate(segment_->worst_estimate());
   error_holds_ = error_holds_ && !instant.jump;
   if (request_.jumps && !instant.jump) error_ += segment_->start_error(point_.z, next.z);
@@ -362,6 +369,20 @@ Point PartRun::point_of_segment(double tau, double time) {
   return point;
 }
 
+/// Of a port that was on the wrong side for no longer than that: by an implicit Euler step on the other side from what it has there. Empty: rows may show that it was.
+StepCertifier::Effect PartRun::effect_within(double length) {
+  if (!(length > 0.0 && length <= tolerance::brief_segment * request_.stop)) return {};
+  return [this, length](int port, double value) {
+    Position other = point_.on;
+    other[static_cast<std::size_t>(port)] ^= 1;
+    descriptor_.hold_blocked(other);
+    std::vector<double> change(point_.z.size(), 0.0);
+    change[static_cast<std::size_t>(descriptor_.ports()[static_cast<std::size_t>(port)].row)] = value;
+    if (ports_.respond(1.0 / length, other, change) != Solved::yes) return 1.0;
+    return segment_->distance(change, std::vector<double>(change.size(), 0.0));
+  };
+}
+
 bool PartRun::is_same_instant(double a, double b) const { return std::abs(a - b) <= break_tolerance_; }
 
 /// To the next passage, the next known instant, or as far as the segment reaches; with probes no farther than they are polynomials.
@@ -369,14 +390,15 @@ bool PartRun::follow_segment() {
   const double limit = std::min(next_break(), request_.stop);
   const ExactSegment::Passage& passage = segment_->locate(limit - segment_->start());
   const double tau = request_.probes.sink != nullptr ? resolved_until(passage.tau) : passage.tau;
+  const StepCertifier::Effect effect = effect_within(tau - segment_tau_);
   for (const double share : inner_points) {
     if (!certificate_.wants_point()) continue;
     const double inside = segment_tau_ + share * (tau - segment_tau_);
-    certificate_.add_point(point_of_segment(inside, segment_->start() + inside), ports_, 1.0 / segment_->length());
+    certificate_.add_point(point_of_segment(inside, segment_->start() + inside), ports_, 1.0 / segment_->length(), {}, effect);
   }
   const double time = segment_->start() + tau;
   Point next = point_of_segment(tau, is_same_instant(time, limit) ? limit : time);
-  certificate_.add_point(next, ports_, 1.0 / segment_->length());
+  certificate_.add_point(next, ports_, 1.0 / segment_->length(), {}, effect);
   if (records_ && tau >= passage.tau) record_end(next, tau, passage);
   settle_in(next);
   segment_tau_ = tau;
@@ -442,6 +464,7 @@ void PartRun::pass(const ExactSegment::Passage& passage) {
   const bool is_idle = passage.tau <= tolerance::no_time * request_.stop;
   if (!is_idle) segment_->unmute();
   if (is_idle && last_guard_ == passage.guard && passage.guard >= 0) segment_->mute(passage.guard);
+  if (is_idle && last_guard_ == passage.guard && passage.guard < 0) segment_->sample_start();
   if (!is_idle) segment_->note_event(passage.tau);
   last_guard_ = passing_ = passage.guard;
   position_before_ = position_ahead_ = point_.on;

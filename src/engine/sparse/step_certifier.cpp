@@ -29,10 +29,10 @@ void StepCertifier::add_step(const Point& from, const Stepper::Trial& trial, con
   add_energy(from, trial);
 }
 
-void StepCertifier::add_point(const Point& point, const PortSolver& ports, double rate, std::span<const int> rising) {
+void StepCertifier::add_point(const Point& point, const PortSolver& ports, double rate, std::span<const int> rising, const Effect& effect) {
   if (!sampled()) return;
   add_rows(point, rate);
-  add_ports(point, ports, rising);
+  add_ports(point, ports, rising, effect);
 }
 
 void StepCertifier::add_rows(const Point& point, double rate) {
@@ -71,7 +71,7 @@ StepCertifier::Rounding StepCertifier::rounding_at(const Point& point) const {
           tolerance::unknown_rounding * std::max(least_, largest(z.subspan(nodes)))};
 }
 
-void StepCertifier::add_ports(const Point& point, const PortSolver& ports, std::span<const int> rising) {
+void StepCertifier::add_ports(const Point& point, const PortSolver& ports, std::span<const int> rising, const Effect& effect) {
   const Rounding rounding = rounding_at(point);
   for (int i = 0; i < descriptor_.first_switch(); ++i) {
     if (std::find(rising.begin(), rising.end(), i) != rising.end()) continue;
@@ -84,8 +84,11 @@ void StepCertifier::add_ports(const Point& point, const PortSolver& ports, std::
       input_ = std::max(input_, std::abs(u));
       continue;
     }
-    input_ = std::max(input_, on ? -u : std::abs(u));
-    slack_ = std::max(slack_, on ? std::abs(s) : -s);
+    const double wrong = on ? -u : -s, scale = on ? input_scale_ : slack_scale_;
+    const bool is_followed = effect && wrong > tolerance::brief_sign * scale;
+    if (is_followed) effects_ += static_cast<double>(stride_) * effect(i, wrong);
+    input_ = std::max(input_, on ? (is_followed ? 0.0 : -u) : std::abs(u));
+    slack_ = std::max(slack_, on ? std::abs(s) : (is_followed ? 0.0 : -s));
     input_scale_ = std::max({input_scale_, std::abs(u), ports.scale().input});
     slack_scale_ = std::max({slack_scale_, std::abs(s), ports.scale().slack});
   }
@@ -121,6 +124,7 @@ Certificate StepCertifier::check() const {
   const double input_scale = std::max(input_scale_, tolerance::idle_row * slack_scale_);  // where no current ever flows
   if (input_scale > 0.0) certificate.complementarity = input_ / input_scale;
   if (slack_scale_ > 0.0) certificate.complementarity = std::max(certificate.complementarity, slack_ / slack_scale_);
+  certificate.complementarity = std::max(certificate.complementarity, effects_);
   certificate.kcl_kvl = largest_residual(rows_);
   if (energy_scale_ > 0.0) certificate.energy = energy_ / energy_scale_;
   certificate.energy = std::max(certificate.energy, estimate_);

@@ -1,6 +1,7 @@
 #pragma once
 /// Residuals of the equations on samples of the accepted steps.
 
+#include <functional>
 #include <span>
 
 #include "engine/run.hpp"
@@ -15,6 +16,8 @@ namespace pwlsim::engine::sparse {
 ///    its local error.
 class StepCertifier {
  public:
+  /// What a port that is on the wrong side by a value, in volts, changes of the states before the segment ends, of the largest √energy.
+  using Effect = std::function<double(int port, double value)>;
   explicit StepCertifier(const Descriptor& descriptor) : descriptor_(descriptor), stores_(descriptor.memory_diagonal()) {}
   /// From now on ports and rows at zero may be so to rounding: of the largest unknowns, and of this voltage.
   void allow_rounding(double least) { least_ = least; }
@@ -29,8 +32,10 @@ class StepCertifier {
   [[nodiscard]] bool looks_next() const { return seen_ % stride_ == 0; }
   /// A point by itself. `rate`, 1/s: of a segment, one over its length; a rate that is off by this part of a charge or flux is off by as much as these over it. They
   /// count as what all the energy would be in the row's store, |(E z)_i| <= sqrt(E_ii zᵀE z): that is what a segment's error is measured against.
-  /// `rising`: ports whose sign is not judged there, as they are at zero to rounding and rise.
-  void add_point(const Point& point, const PortSolver& ports, double rate = 0.0, std::span<const int> rising = {});
+  /// `rising`: ports whose sign is not judged there, as they are at zero to rounding and rise. `effect`, of a segment that is nothing beside the run: a port on the wrong side counts as
+  /// much as it changes, all of them together; the voltage that rounding of a current makes across a leak may be large, and is gone before anything has followed it.
+  void add_point(const Point& point, const PortSolver& ports, double rate = 0.0, std::span<const int> rising = {},
+                 const Effect& effect = {});
   /// The residual of the rows at a point that is not added, as `check` would have it.
   [[nodiscard]] double row_residual(const Point& point, double rate);
   /// A segment's error by its own estimate, relative to the largest √energy: a bound of its energy's error.
@@ -50,7 +55,7 @@ class StepCertifier {
     double voltage = 0.0;
   };
   [[nodiscard]] double largest_residual(const Rows& rows) const;
-  void add_ports(const Point& point, const PortSolver& ports, std::span<const int> rising = {});
+  void add_ports(const Point& point, const PortSolver& ports, std::span<const int> rising = {}, const Effect& effect = {});
   void add_energy(const Point& from, const Stepper::Trial& trial);
   [[nodiscard]] double energy(const Point& point);
 
@@ -59,7 +64,7 @@ class StepCertifier {
   Rows rows_;
   std::vector<double> rates_, row_size_;
   double input_ = 0.0, slack_ = 0.0, input_scale_ = 0.0, slack_scale_ = 0.0;
-  double least_ = 0.0;
+  double least_ = 0.0, effects_ = 0.0;
   double energy_ = 0.0, energy_scale_ = 0.0, estimate_ = 0.0;
   std::uint64_t seen_ = 0, stride_ = 1, points_ = 0;
 };

@@ -36,6 +36,9 @@ inline constexpr double no_time = 1e-13;
 /// Of: the length of the run.
 /// Why: as `shortest_step`.
 inline constexpr double shortest_segment = 1e-15;
+/// Of: the length of the run.
+/// Why: as `brief_rest`: no row shows what happens within it.
+inline constexpr double brief_segment = 1e-6;
 /// Of: a segment.
 /// Why: halves of halves of it that are shorter have no digits of time.
 inline constexpr double shortest_piece = 1e-12;
@@ -102,6 +105,9 @@ inline constexpr double tied_port_sign = 1e-8;
 /// Of: the largest input, and the terms of a slack.
 /// Why: as `port_sign`: a port with both at zero is in dispute.
 inline constexpr double tied_port = 1e-10;
+/// Of: the largest input, or slack, of the run.
+/// Why: a tenth of what makes a run of segments doubtful: a port that is so far on the wrong side in a brief segment is looked at more closely.
+inline constexpr double brief_sign = 1e-8;
 /// Of: the largest change of its kind.
 /// Why: as `port_sign`, for what a step makes of a port that is in dispute.
 inline constexpr double undecided_change = 1e-10;
