@@ -175,7 +175,6 @@ class PartRun {
   bool take_gates(double until);
   bool flip_at_rest(const Point& at, Instant& instant);
   bool settle(double h, Instant& instant, Point& first);
-  [[nodiscard]] bool flip_ahead(double h, Instant& instant, Point& first);
   bool flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on);
   /// Before the Euler steps of an instant.
   struct Beginning {

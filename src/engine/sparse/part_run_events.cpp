@@ -69,18 +69,7 @@ bool PartRun::flip_at_rest(const Point& at, Instant& instant) {
   return flipped;
 }
 
-/// Where those that changed sides at the instant leave no position: the switches whose controls pass within a step of the position before, as the complement of a
-/// gate does that comes by a controlled source. False: none does.
-bool PartRun::flip_ahead(double h, Instant& instant, Point& first) {
-  Position ahead = point_.on;
-  point_.on = position_before_;
-  const bool flipped =
-      stepper_.euler(point_, h, first, start_memory_) == Solved::yes && flip(first, false, instant.time + h, instant, ahead);
-  point_.on = ahead;
-  return flipped;
-}
-
-/// All switches whose control has passed at this instant change together, those that only sources drive first; states stay as they are
+/// All switches of one turn whose control has passed at this instant change together, those that only sources drive first; states stay as they are
 /// until none moves. False: no position (trial_.solved); `failure_` names the switches that keep toggling.
 bool PartRun::settle(double h, Instant& instant, Point& first) {
   for (WatchedControl& control : controls_) control.has_rested = false;
@@ -88,7 +77,6 @@ bool PartRun::settle(double h, Instant& instant, Point& first) {
     if (flip(point_, true, instant.time + h, instant, point_.on)) continue;
     descriptor_.hold_blocked(point_.on);
     trial_.solved = stepper_.euler(point_, h, first, start_memory_);
-    if (trial_.solved == Solved::no_position && round == 0 && flip_ahead(h, instant, first)) continue;
     if (trial_.solved == Solved::no_position && ports_.strain() && flip(first, false, instant.time + h, instant, point_.on)) continue;
     if (trial_.solved != Solved::yes) return false;
     if (!flip(first, false, instant.time + h, instant, point_.on) && !flip_at_rest(first, instant)) return true;
