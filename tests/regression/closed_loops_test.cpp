@@ -111,6 +111,18 @@ TEST_CASE("logic settles before the parts that it switches", "[regression]") {
   }
 }
 
+// Set and reset fall at one instant, one by its source and the other through a gate without delay: there is no time in which the latch is set alone. By implicit steps it was set.
+TEST_CASE("a latch waits for the gates before it", "[regression]") {
+  const std::string deck =
+      "latch\nVr r 0 PULSE(1 0 1u 10n 10n 4u 10u)\nA1 r 0 0 0 0 0 s 0 BUF\nA2 s r 0 0 0 0 q 0 SRFLOP\nR1 q o 1k\nC1 o 0 1n ic=0\n"
+      ".tran 1u 20u uic\n.save v(q)\n.end\n";
+  for (const test::DeckRun& run : {test::run_text(deck), test::run_text_sparse(deck, 1e-5)}) {
+    REQUIRE(run.answer.outcome == engine::Outcome::completed);
+    REQUIRE(run.rows.size() == 21);
+    for (const auto& row : run.rows) CHECK(std::abs(row[1]) < 0.5);
+  }
+}
+
 // A voltage begins to rise behind an inductor that only a leak of 1 GOhm carries: the inductor's lag has the other sign for 1e-14 s, and the deck was refused as not unique. The leak takes
 // 112 V/1 GOhm for 200 us from 10 uF: 2 uV, which the loop's duty may change a few times.
 TEST_CASE("a rectifier with feedback starts from the zero of its line", "[regression]") {

@@ -369,9 +369,10 @@ Point PartRun::point_of_segment(double tau, double time) {
   return point;
 }
 
-/// Of a port that was on the wrong side for no longer than that: by an implicit Euler step on the other side from what it has there. Empty: rows may show that it was.
+/// Of a port that was on the wrong side for no longer than that: by an implicit Euler step on the other side from what it has there. Empty: rows may show that it was, or what it changes
+/// may grow.
 StepCertifier::Effect PartRun::effect_within(double length) {
-  if (!(length > 0.0 && length <= tolerance::brief_segment * request_.stop)) return {};
+  if (!passive_ || !(length > 0.0 && length <= tolerance::brief_segment * request_.stop)) return {};
   return [this, length](int port, double value) {
     Position other = point_.on;
     other[static_cast<std::size_t>(port)] ^= 1;
