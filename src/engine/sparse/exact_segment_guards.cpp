@@ -211,8 +211,8 @@ void ExactSegment::judge_start() {
     const int row = segment_.rows[i];
     const double value = departure.order == 0 ? departure.value : linalg::row_times(mode_->guards, row, segment_.y0.data());
     const double slope = linalg::row_times(mode_->guards, row, first.data());
-    const bool is_soon_positive =
-        value < 0.0 && slope > 0.0 && (begins_at_zero(row) || value + tolerance::just_passed * std::min(length_, expected_) * slope >= 0.0);
+    const double soon = begins_at_zero(row) ? INFINITY : tolerance::just_passed * std::min(length_, expected_);
+    const bool is_soon_positive = value < 0.0 && slope > 0.0 && value + soon * slope >= 0.0;
     if (is_soon_positive && (departure.value > 0.0 || has_just_passed(row))) rising_.push_back(row);
     if (departure.value > 0.0) continue;
     const double bend = linalg::row_times(mode_->guards, row, second.data());
