@@ -65,22 +65,17 @@ TEST_CASE("many converters in closed loop do not depend on how their decks are w
 
 // Dense modes and Krylov segments share no equations. What a leak and a coupling leave of an instant's decays may stand in the row of the start.
 TEST_CASE("converters in closed loop agree between dense modes and Krylov segments", "[regression]") {
-  constexpr double shared = 0.8;  // logic whose switches short-circuit a source on the way ends in an error by segments
-  int completed = 0, agreed = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     const test::ClosedLoop loop = test::random_closed_loop(seed, 0);
     INFO("seed " << seed << "\n" << loop.text);
     test::DeckRun modes = test::run_text(loop.text), segments = test::run_text_segments(loop.text);
     if (modes.answer.outcome != engine::Outcome::completed) continue;
-    ++completed;
-    if (segments.answer.outcome != engine::Outcome::completed) continue;
-    ++agreed;
+    REQUIRE(segments.answer.outcome == engine::Outcome::completed);
     REQUIRE(segments.rows.size() == modes.rows.size());
     modes.rows.erase(modes.rows.begin());
     segments.rows.erase(segments.rows.begin());
     CHECK(largest_difference(modes, segments) <= expected);
   }
-  CHECK(agreed >= shared * completed);
 }
 
 // Half bridges of ideal switches: what opens one is an inverter of what closes the other, so that both short-circuit the source while the logic is on its way.
@@ -96,6 +91,35 @@ TEST_CASE("complementary switches change by their logic, whatever they short-cir
     REQUIRE(steps.answer.outcome == engine::Outcome::completed);
     CHECK(largest_difference(modes, segments) <= expected);
     CHECK(largest_difference(modes, steps) <= most);
+  }
+}
+
+// Between two gates of the logic both switches of a half bridge are open: the current of its inductor would be cut off, and what reads it would take the logic back. 36: a guard beside zero
+// that no bound decides, 400 times at one instant.
+TEST_CASE("logic settles before the parts that it switches", "[regression]") {
+  constexpr double tolerance = 1e-5, most = 1e-2;  // of implicit steps over some 200 events
+  for (const std::uint64_t seed : {36, 82, 84, 102, 114, 128, 143}) {
+    const test::ClosedLoop loop = test::random_closed_loop(seed, 0);
+    INFO("seed " << seed << "\n" << loop.text);
+    const test::DeckRun modes = test::run_text(loop.text), segments = test::run_text_segments(loop.text);
+    const test::DeckRun steps = test::run_text_sparse(loop.text, tolerance);
+    REQUIRE(modes.answer.outcome == engine::Outcome::completed);
+    REQUIRE(segments.answer.outcome == engine::Outcome::completed);
+    REQUIRE(steps.answer.outcome == engine::Outcome::completed);
+    CHECK(largest_difference(modes, segments) <= expected);
+    CHECK(largest_difference(modes, steps) <= most);
+  }
+}
+
+// Set and reset fall at one instant, one by its source and the other through a gate without delay: there is no time in which the latch is set alone. By implicit steps it was set.
+TEST_CASE("a latch waits for the gates before it", "[regression]") {
+  const std::string deck =
+      "latch\nVr r 0 PULSE(1 0 1u 10n 10n 4u 10u)\nA1 r 0 0 0 0 0 s 0 BUF\nA2 s r 0 0 0 0 q 0 SRFLOP\nR1 q o 1k\nC1 o 0 1n ic=0\n"
+      ".tran 1u 20u uic\n.save v(q)\n.end\n";
+  for (const test::DeckRun& run : {test::run_text(deck), test::run_text_sparse(deck, 1e-5)}) {
+    REQUIRE(run.answer.outcome == engine::Outcome::completed);
+    REQUIRE(run.rows.size() == 21);
+    for (const auto& row : run.rows) CHECK(std::abs(row[1]) < 0.5);
   }
 }
 

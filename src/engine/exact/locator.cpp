@@ -28,6 +28,7 @@ constexpr double sampled_intervals = 1024.0;
 constexpr double growth_beside_decays = 4.0, share_beside_decays = 0.25;
 
 bool has_to_sample(const Segment& s, double end) {
+  if (s.begins_sampled) return true;
   if (s.intervals > (s.is_brief ? patience_while_brief : intervals_of_patience)) return true;
   return s.intervals > intervals_before_sampling && static_cast<double>(s.intervals) * end > most_intervals * s.tau;
 }
@@ -330,6 +331,7 @@ bool Locator::march_by_bounds(Segment& s, double end, double shortest, Located& 
     if (try_interval(s, h, end, located, decided)) return true;
     if (decided) break;
     if (sampled) {
+      s.begins_sampled = false;
       if (sample_interval(s, h, end, located)) return true;
       break;
     }

@@ -52,6 +52,7 @@ struct Segment {
   double certified = 0.0;            ///< no guard falls below zero before
   std::uint64_t intervals = 0;       ///< examined so far
   bool sampled = false;              ///< some intervals only by signs at their ends
+  bool begins_sampled = false;       ///< the next one is: no bound has decided it
   double step = 0.0;                 ///< length of the last interval decided, 0: none yet
   int turns_without_modal_form = 0;  ///< next intervals in which eigenvectors are not used
   int turns = 0;                     ///< intervals in a stiff mode for which the series is tried (> 0) or not (< 0)

@@ -1,10 +1,32 @@
 #include "engine/sparse/controls.hpp"
 #include "engine/sparse/tolerances.hpp"
+#include "model/islands.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace pwlsim::engine::sparse {
+
+namespace {
+
+enum Turn { gates = 0, latches = 1, all_others = 2 };
+
+/// Of each switch of the network.
+std::vector<int> turns_of(const model::Network& network) {
+  std::vector<int> turns(network.switches.size(), all_others);
+  const auto islands = model::split_islands(network, [](const model::Island&) { return true; });
+  const auto is_logic = [](const model::Island& island) { return island.network.capacitors.empty() && island.network.inductors.empty(); };
+  std::vector<char> drives_logic(turns.size(), 0);
+  for (const model::Island& island : islands)
+    for (const int s : island.switch_number) drives_logic[static_cast<std::size_t>(s)] = is_logic(island) ? 1 : 0;
+  for (const model::Island& island : islands)
+    for (const auto& control : island.controls)
+      if (is_logic(island) && drives_logic[static_cast<std::size_t>(control.driven)] != 0)
+        turns[static_cast<std::size_t>(control.driven)] = control.on_level == control.off_level ? gates : latches;
+  return turns;
+}
+
+}  // namespace
 
 double WatchedControl::level_size() const { return std::max({std::abs(on_level), std::abs(off_level), on_level - off_level}); }
 
@@ -33,10 +55,11 @@ bool WatchedControl::passes_with(const WatchedControl& other, const Position& on
 
 std::vector<WatchedControl> controls_of(const model::Network& network, const Descriptor& descriptor) {
   std::vector<WatchedControl> controls;
+  const std::vector<int> turns = network.switches.empty() ? std::vector<int>{} : turns_of(network);
   for (std::size_t i = 0; i < network.switches.size(); ++i) {
     const auto& s = network.switches[i];
-    controls.push_back(
-        {static_cast<std::size_t>(descriptor.first_switch()) + i, descriptor.form(s.control), s.on_level, s.off_level, s.inverted});
+    controls.push_back({static_cast<std::size_t>(descriptor.first_switch()) + i, descriptor.form(s.control), s.on_level, s.off_level,
+                        s.inverted, turns[i]});
   }
   return controls;
 }

@@ -13,7 +13,8 @@ struct WatchedControl {
   Form value;            ///< SI units
   double on_level = 0.0, off_level = 0.0;
   bool inverted = false;
-  double largest = 0.0;                                                  ///< magnitude of the value over the run
+  int turn = 0;          ///< at an instant: only the violated ones of the first turn change together
+  double largest = 0.0;  ///< magnitude of the value over the run
   double at_threshold_since = std::numeric_limits<double>::quiet_NaN();  ///< s: the value has been at one threshold from there on
   bool has_rested = false;  ///< its switch was opened at the present instant because the value stays at the threshold
 
@@ -36,6 +37,8 @@ struct WatchedControl {
   [[nodiscard]] double noise(double form_value, double largest_unknown) const;
 };
 
+/// Their turns: gates of logic, which has no states, come first, then its latches, then all that reads or drives parts with states, so that these see as one change
+/// what logic does in several rounds.
 [[nodiscard]] std::vector<WatchedControl> controls_of(const model::Network& network, const Descriptor& descriptor);
 
 /// The start position of all ports: diodes off, switches as their elements say.

@@ -9,6 +9,7 @@
 
 #include "base/arithmetic.hpp"
 #include "engine/sparse/tolerances.hpp"
+#include "linalg/factorisations.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -321,6 +322,14 @@ bool ExactSegment::take_back(double h, std::vector<double>& z) {
   const linalg::Vector y = space_.first() - h * (a * space_.first());
   space_.unknowns(y.data(), z);
   return true;
+}
+
+std::vector<double> ExactSegment::euler_end(double h) const {
+  const linalg::Matrix& a = space_.flow().a();
+  const linalg::Vector y = Eigen::PartialPivLU<linalg::Matrix>(linalg::Matrix::Identity(a.rows(), a.cols()) - h * a).solve(space_.first());
+  std::vector<double> z;
+  space_.unknowns(y.data(), z);
+  return z;
 }
 
 ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start) {

@@ -34,8 +34,8 @@ class ExactSegment {
   void refine(bool does) { refines_ = does; }
   void refine_position() { habits_[key_].refines = true; }
   [[nodiscard]] bool is_refined() const { return refines_ || habits_.at(key_).refines; }
-  /// The port whose guard has just passed zero, on its other side; −1: none.
-  void note_passing(int port) { passing_ = port; }
+  /// The guard that has just passed zero, at the end of the segment that is open; −1: none.
+  void note_passing(int guard);
   /// An instant that finds the ports in that position, at z.
   void note_instant(double time, const Position& on, const std::vector<double>& z);
 
@@ -59,6 +59,8 @@ class ExactSegment {
   /// what decays in the segment.
   [[nodiscard]] double step(Factors& factors, const Origin& start, std::vector<double>& z);
   [[nodiscard]] bool take_back(double h, std::vector<double>& z);
+  /// After `open`: the end of an implicit Euler step of length h, s, from where the segment begins.
+  [[nodiscard]] std::vector<double> euler_end(double h) const;
 
   /// After `open`, where states jump: what impulses make of the unknowns in a step of the segment's own.
   [[nodiscard]] std::vector<double> impulses() const { return space_.impulses(); }
@@ -122,7 +124,13 @@ class ExactSegment {
   void note_end(double tau);
   /// A guard that fell again at once counts from where it is visibly negative; the others as before.
   void mute(int guard);
-  void unmute() { muted_.clear(); }
+  /// Where no guard could be named at once, and the position stays: signs decide at the end of a first interval.
+  void sample_start() { samples_start_ = true; }
+  /// The run has gone on.
+  void unmute() {
+    muted_.clear();
+    samples_start_ = false;
+  }
 
   /// From now on a position is left as soon as a few vectors show ports far on the wrong side: it is no segment to follow, `negative` says these ports.
   void reject_early(bool does) { rejects_early_ = does; }
@@ -184,8 +192,10 @@ class ExactSegment {
   [[nodiscard]] double rounding_size(const WatchedControl& control) const;
   [[nodiscard]] bool passes_at_rest(int row) const;
   [[nodiscard]] bool has_just_passed(int row) const;
+  [[nodiscard]] bool is_taken_back(int row) const;
+  [[nodiscard]] bool begins_at_zero(int row) const;
   void judge_start();
-  [[nodiscard]] double rounding_of(int row) const;
+  [[nodiscard]] double rounding_of(int row, const std::vector<double>& y) const;
 
   const Descriptor& descriptor_;
   const Sources& sources_;
@@ -200,6 +210,10 @@ class ExactSegment {
   bool has_all_decays_ = false;  ///< of all rates: all vectors there are do not resolve them at the usual γ
   int passing_ = -1;
   std::vector<double> held_;  ///< of ports: the slack they have, or had, while on, until that is left behind
+  Position passed_from_;      ///< where it was seen to
+  Position passed_to_;        ///< the same with that port alone on its other side
+  bool passed_zero_ = false;  ///< it was zero there, to rounding
+  bool samples_start_ = false;
   bool rejects_early_ = false, is_rejected_ = false, keeps_tolerance_ = false;
   double present_tolerance_ = 0.0;  ///< of the segment at hand
   int vectors_of_last_ = 0, vectors_of_one_before_ = 0;

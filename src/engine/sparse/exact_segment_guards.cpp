@@ -182,6 +182,24 @@ bool ExactSegment::has_just_passed(int row) const {
   return controls_[static_cast<std::size_t>(row - ports)].passes_with(controls_[static_cast<std::size_t>(passing_ - ports)], on_);
 }
 
+void ExactSegment::note_passing(int guard) {
+  passing_ = guard;
+  passed_zero_ = guard >= 0 && guard < descriptor_.first_switch();
+  if (!passed_zero_) return;
+  passed_from_ = passed_to_ = on_;
+  passed_to_[static_cast<std::size_t>(guard)] ^= 1;
+  descriptor_.hold_blocked(passed_to_);
+  const std::vector<double>& y = at(passage_.tau);
+  passed_zero_ = std::abs(linalg::row_times(mode_->guards, guard, y.data())) <= rounding_of(guard, y);
+}
+
+/// Whether that guard has passed zero in the very position at hand: what is left of it is no sign.
+bool ExactSegment::is_taken_back(int row) const { return row == passing_ && on_ == passed_from_; }
+
+/// Whether its port alone has changed sides. What the port begins with is then a multiple of what was zero when it passed, so that it is zero, be it the voltage that rounding of a current makes
+/// across a leak.
+bool ExactSegment::begins_at_zero(int row) const { return row == passing_ && passed_zero_ && on_ == passed_to_; }
+
 /// Signs right after the start: the first derivative that is not rounding decides. A parabola that dips no deeper than rounding does not fall.
 void ExactSegment::judge_start() {
   segment_.system = &system_;
@@ -192,6 +210,7 @@ void ExactSegment::judge_start() {
   segment_.tau = segment_.certified = segment_.step = 0.0;
   segment_.intervals = 0;
   segment_.sampled = false;
+  segment_.begins_sampled = samples_start_;
   segment_.turns = segment_.turns_without_modal_form = 0;
   segment_.departures.resize(segment_.rows.size());
   model::Verifier verifier;
@@ -208,16 +227,16 @@ void ExactSegment::judge_start() {
     const int row = segment_.rows[i];
     const double value = departure.order == 0 ? departure.value : linalg::row_times(mode_->guards, row, segment_.y0.data());
     const double slope = linalg::row_times(mode_->guards, row, first.data());
-    const bool is_soon_positive =
-        value < 0.0 && slope > 0.0 && value + tolerance::just_passed * std::min(length_, expected_) * slope >= 0.0;
+    const double soon = begins_at_zero(row) ? INFINITY : tolerance::just_passed * std::min(length_, expected_);
+    const bool is_soon_positive = value < 0.0 && slope > 0.0 && value + soon * slope >= 0.0;
     if (is_soon_positive && (departure.value > 0.0 || has_just_passed(row))) rising_.push_back(row);
     if (departure.value > 0.0) continue;
     const double bend = linalg::row_times(mode_->guards, row, second.data());
     if (has_just_passed(row) && departure.order == 0 && is_soon_positive) {
       departure = {1, slope};
-    } else if (departure.order == 1 && bend > 0.0 && departure.value * departure.value <= 2.0 * bend * rounding_of(row)) {
+    } else if (departure.order == 1 && bend > 0.0 && departure.value * departure.value <= 2.0 * bend * rounding_of(row, segment_.y0)) {
       departure = {2, bend};
-    } else if (departure.order > 0 && value > 0.0 && takes_positive_) {
+    } else if (departure.order > 0 && value > 0.0 && takes_positive_ && !is_taken_back(row)) {
       departure = {0, value};
     } else {
       negative_.push_back(row);
@@ -225,11 +244,11 @@ void ExactSegment::judge_start() {
   }
 }
 
-/// Of a guard's value at the start.
-double ExactSegment::rounding_of(int row) const {
+/// Of a guard's value at y.
+double ExactSegment::rounding_of(int row, const std::vector<double>& y) const {
   const model::Mode& m = *mode_;
-  const double size = linalg::absolute_row_times(m.guards, row, segment_.y0.data());
-  return m.guard_noise[row] * std::max(size, share_of_norm * m.guard_norm[row] * space_.first().norm());
+  const double size = linalg::absolute_row_times(m.guards, row, y.data());
+  return m.guard_noise[row] * std::max(size, share_of_norm * m.guard_norm[row] * linalg::norm(y.data(), m.ny));
 }
 
 }  // namespace pwlsim::engine::sparse

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "engine/sparse/controls.hpp"
 #include "engine/sparse/descriptor.hpp"
 #include "engine/sparse/gates.hpp"
 #include "engine/threshold_watch.hpp"
@@ -12,7 +13,11 @@ namespace pwlsim::engine::sparse {
 
 struct Part {
   explicit Part(model::Island i)
-      : island(std::move(i)), gates(take_gates(island.network)), watched(watched_switches(island.network)), descriptor(island.network) {}
+      : island(std::move(i)),
+        gates(take_gates(island.network)),
+        watched(watched_switches(island.network)),
+        descriptor(island.network),
+        controls(controls_of(island.network, descriptor)) {}
   Part(const Part&) = delete;
   Part& operator=(const Part&) = delete;
 
@@ -27,6 +32,7 @@ struct Part {
   std::vector<Gate> gates;
   std::vector<WatchedSwitch> watched;
   Descriptor descriptor;
+  std::vector<WatchedControl> controls;
 };
 
 }  // namespace pwlsim::engine::sparse

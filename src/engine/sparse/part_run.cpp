@@ -59,7 +59,7 @@ PartRun::PartRun(const Part& part, const Request& request, double reltol, Method
       sources_(part.island.network),
       stepper_(descriptor_, ports_, sources_),
       scale_(descriptor_, source_scale_, method == Method::steps),
-      controls_(controls_of(part.island.network, descriptor_)),
+      controls_(part.controls),
       gates_(part.gates),
       thresholds_(part.watched, request.stop),
       certificate_(descriptor_),

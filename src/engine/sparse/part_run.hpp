@@ -175,7 +175,6 @@ class PartRun {
   bool take_gates(double until);
   bool flip_at_rest(const Point& at, Instant& instant);
   bool settle(double h, Instant& instant, Point& first);
-  [[nodiscard]] bool flip_ahead(double h, Instant& instant, Point& first);
   bool flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on);
   /// Before the Euler steps of an instant.
   struct Beginning {
@@ -210,7 +209,7 @@ class PartRun {
   [[nodiscard]] bool follows_by_signs(const Position& candidate);
   enum class Sought { found, jumped, not_found };
   [[nodiscard]] Sought seek_segment(const Beginning& beginning, Instant& instant, double h);
-  [[nodiscard]] bool is_shared_by(const Point& step) const;
+  [[nodiscard]] bool is_shared_by(const Point& step, double h) const;
   [[nodiscard]] bool flip_negative(Position on, int rounds);
   [[nodiscard]] bool find_after_steps(const Beginning& beginning, Instant& instant);
   [[nodiscard]] ExactSegment::Opened open_segment(const Position& on);
@@ -282,6 +281,7 @@ class PartRun {
   std::vector<Position> refused_jumps_;  ///< of steps of several lengths: positions whose jump asks for impulses backwards
   bool trusts_jumps_ = false;
   bool may_jump_ = true;                     ///< where a position is sought
+  bool decays_jump_ = false;                 ///< likewise, what is too fast to be followed
   std::array<Attempts, 2> rejecting_early_;  ///< of openings, at other instants and where a guard passes
   Position position_ahead_;                  ///< where the passage at hand leads
   double segment_tau_ = 0.0;                 ///< so far

@@ -36,21 +36,22 @@ int restart_levels(double reltol) { return 3 - static_cast<int>(std::floor(std::
 /// Where the position of the last solution contradicts the network, as two switches across a source do while the logic between them is on its way, those change whose controls
 /// the contradiction does not reach.
 bool PartRun::flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on) {
-  bool flipped = false;
   const std::vector<double>* strain = by_sources ? nullptr : ports_.strain();
   const double unknown = largest(point_.z);
+  std::vector<const WatchedControl*> violated;
   if (by_sources) sources_.evaluate(time, w_);
   for (const WatchedControl& control : controls_) {
-    if (control.by_sources() != by_sources) continue;
+    if (control.by_sources() != by_sources || (!violated.empty() && control.turn > violated.front()->turn)) continue;
     const double value = control.value.value(at.z.data(), by_sources ? w_.data() : at.w.data());
     const double margin = control.margin(on, value);
     if (margin >= -control.noise(value, unknown)) continue;
     if (strain != nullptr && std::abs(Form::sum(control.value.z, strain->data())) > most_strain * -margin) continue;
-    on[control.port] ^= 1;
-    flipped = true;
-    instant.mode_change = true;
+    if (!violated.empty() && control.turn < violated.front()->turn) violated.clear();
+    violated.push_back(&control);
   }
-  return flipped;
+  for (const WatchedControl* control : violated) on[control->port] ^= 1;
+  instant.mode_change |= !violated.empty();
+  return !violated.empty();
 }
 
 /// Switches whose control is at a threshold that counts as passed where it rests there, once each. Impulses make the unknowns of a first step large,
@@ -68,18 +69,7 @@ bool PartRun::flip_at_rest(const Point& at, Instant& instant) {
   return flipped;
 }
 
-/// Where those that changed sides at the instant leave no position: the switches whose controls pass within a step of the position before, as the complement of a
-/// gate does that comes by a controlled source. False: none does.
-bool PartRun::flip_ahead(double h, Instant& instant, Point& first) {
-  Position ahead = point_.on;
-  point_.on = position_before_;
-  const bool flipped =
-      stepper_.euler(point_, h, first, start_memory_) == Solved::yes && flip(first, false, instant.time + h, instant, ahead);
-  point_.on = ahead;
-  return flipped;
-}
-
-/// All switches whose control has passed at this instant change together, those that only sources drive first; states stay as they are
+/// All switches of one turn whose control has passed at this instant change together, those that only sources drive first; states stay as they are
 /// until none moves. False: no position (trial_.solved); `failure_` names the switches that keep toggling.
 bool PartRun::settle(double h, Instant& instant, Point& first) {
   for (WatchedControl& control : controls_) control.has_rested = false;
@@ -87,7 +77,6 @@ bool PartRun::settle(double h, Instant& instant, Point& first) {
     if (flip(point_, true, instant.time + h, instant, point_.on)) continue;
     descriptor_.hold_blocked(point_.on);
     trial_.solved = stepper_.euler(point_, h, first, start_memory_);
-    if (trial_.solved == Solved::no_position && round == 0 && flip_ahead(h, instant, first)) continue;
     if (trial_.solved == Solved::no_position && ports_.strain() && flip(first, false, instant.time + h, instant, point_.on)) continue;
     if (trial_.solved != Solved::yes) return false;
     if (!flip(first, false, instant.time + h, instant, point_.on) && !flip_at_rest(first, instant)) return true;

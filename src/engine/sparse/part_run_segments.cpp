@@ -24,9 +24,9 @@ constexpr std::array<double, 5> euler_scales{1.0, 1.0 / 64.0, 16.0, 0x1p-12, 0x1
 constexpr double shared_jump = 0.5;           ///< of a jump: how far beside it a step that takes it may end
 constexpr int most_jumps = 8;                 ///< one after the other at an instant
 constexpr int most_flips = 8, few_flips = 2;  ///< rounds
-enum class Ways { directly, by_steps, all };
-/// Of signs, where they agree in no position; before that solutions with all their digits, where no state jumps, and a closer look at what is fast. A guard whose sign is
-/// rounding is first tried on both sides, as steps cost a factor for each length and position.
+enum class Ways { directly, directly_or_by_ties, by_steps, all };
+/// Of signs, where they agree in no position; before that solutions with all their digits, where no state jumps, a closer look at what is fast, and, where nothing follows that, its decay as a jump.
+/// A guard whose sign is rounding is first tried on both sides, as steps cost a factor for each length and position.
 struct Relaxation {
   double factor;
   bool takes_positive;
@@ -34,14 +34,16 @@ struct Relaxation {
   double length = 1.0;
   bool refines = false;
   bool jumps = true;
+  bool decays_jump = false;
 };
-constexpr std::array<Relaxation, 12> relaxations{{{1.0, false, Ways::directly},
+constexpr std::array<Relaxation, 13> relaxations{{{1.0, false, Ways::directly_or_by_ties},
                                                   {1.0, true, Ways::directly},
                                                   {1.0, false, Ways::by_steps},
                                                   {1.0, false, Ways::all, 1.0, true, false},
                                                   {1.0, true},
                                                   {1.0, false, Ways::all, 0x1p-12},
                                                   {1.0, false, Ways::all, 0x1p-24},
+                                                  {1.0, false, Ways::all, 1.0, false, true, true},
                                                   {30.0, true},
                                                   {1e3, true},
                                                   {1e3, false},
@@ -110,7 +112,7 @@ PartRun::Sought PartRun::seek_segment(const Beginning& beginning, Instant& insta
   const bool differs = difference(states_, first_.z) > tolerance::jump;
   if (differs && segment_->distance(point_.z, first_.z) > least_distance()) {
     if (!may_jump_) return Sought::not_found;
-    if (!is_shared_by(step)) return Sought::not_found;
+    if (!is_shared_by(step, h)) return Sought::not_found;
     instant.jump = true;
     return take_jump_of(step, h);
   }
@@ -126,10 +128,13 @@ PartRun::Sought PartRun::seek_segment(const Beginning& beginning, Instant& insta
   return take_jump_of(step, h);
 }
 
-/// Whether the Euler step that found the position jumps where the segment does. A segment of many scales may miss the point it begins at.
-bool PartRun::is_shared_by(const Point& step) const {
+/// Whether the Euler step of length h that found the position jumps where the segment does. Where decays jump, it may go on from there, as such a step from the segment's start does. A
+/// segment of many scales may miss the point it begins at.
+bool PartRun::is_shared_by(const Point& step, double h) const {
   if (segment_->share() < shortest_with_jumps) return false;
-  return !start_memory_.empty() || segment_->distance(step.z, first_.z) <= shared_jump * segment_->distance(point_.z, first_.z);
+  if (!start_memory_.empty()) return true;
+  const std::vector<double> end = decays_jump_ ? segment_->euler_end(h) : first_.z;
+  return segment_->distance(step.z, end) <= shared_jump * segment_->distance(point_.z, first_.z);
 }
 
 /// From a point without a jump, in a position that fits it but for ports at zero: these settle among themselves, in steps of several lengths until the signs of
@@ -234,14 +239,17 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
     segment_->shorten(relaxation.length);
     segment_->refine(relaxation.refines);
     may_jump_ = relaxation.jumps;
+    decays_jump_ = relaxation.decays_jump;
     stand(before);
     jump_steps_ = {};
     jump_impulses_.clear();
     jump_terms_.clear();
     jumps_taken_.clear();
     const Position& candidate = ahead.empty() ? beginning.on : ahead;
-    found = relaxation.ways != Ways::by_steps && follows_directly(candidate);
-    if (!found && relaxation.ways != Ways::directly) found = follows_by_ties(beginning, candidate) || find_after_steps(beginning, instant);
+    const Ways ways = relaxation.ways;
+    found = ways != Ways::by_steps && follows_directly(candidate);
+    if (!found && (ways == Ways::directly_or_by_ties || ways == Ways::all)) found = follows_by_ties(beginning, candidate);
+    if (!found && (ways == Ways::by_steps || ways == Ways::all)) found = find_after_steps(beginning, instant);
     if (found && relaxation.refines) segment_->refine_position();
     if (found || !failure_.id.empty()) break;
   }
@@ -457,6 +465,7 @@ void PartRun::pass(const ExactSegment::Passage& passage) {
   const bool is_idle = passage.tau <= tolerance::no_time * request_.stop;
   if (!is_idle) segment_->unmute();
   if (is_idle && last_guard_ == passage.guard && passage.guard >= 0) segment_->mute(passage.guard);
+  if (is_idle && last_guard_ == passage.guard && passage.guard < 0) segment_->sample_start();
   if (!is_idle) segment_->note_event(passage.tau);
   last_guard_ = passing_ = passage.guard;
   position_before_ = position_ahead_ = point_.on;

@@ -1,0 +1,153 @@
+/// Converters with leaks so large that rounding of a current is a voltage: by Krylov segments as by dense modes, which share no equations.
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "regression/deck_run.hpp"
+
+namespace {
+
+using namespace pwlsim;
+
+struct Case {
+  std::string what, deck;
+};
+
+// Random converters of tests/converters.
+const std::vector<Case> cases{
+    {"behind a passage its guard is at zero, and falls in the position that it has left",
+     "full-bridge\n"
+     "Vg0 g0 0 PULSE(0 1 1.252e-05 4.52e-08 4.52e-08 2.0635e-05 4.52e-05)\n"
+     "Vg1 g1 0 PULSE(0 1 3.512e-05 4.52e-08 4.52e-08 2.0635e-05 4.52e-05)\n"
+     "Vg2 g2 0 PULSE(0 1 2.6848e-05 4.52e-08 4.52e-08 2.0635e-05 4.52e-05)\n"
+     "Vg3 g3 0 PULSE(0 1 4.9448e-05 4.52e-08 4.52e-08 2.0635e-05 4.52e-05)\n"
+     "V1 in 0 325\n"
+     "S1 in a g0 0 SX1\n"
+     "D1 a in DX0\n"
+     "S2 a 0 g1 0 SX1\n"
+     "D2 0 a DX0\n"
+     "S3 in b g2 0 SX1\n"
+     "D3 b in DX0\n"
+     "S4 b 0 g3 0 SX1\n"
+     "D4 0 b DX0\n"
+     "L1 a b 0.0434 ic=0\n"
+     "L2 sa sb 0.00184172 ic=0\n"
+     "D5 sa f DX0\n"
+     "D6 0 sa DX0\n"
+     "D7 sb f DX0\n"
+     "D8 0 sb DX0\n"
+     "L3 f out 0.0017 ic=0\n"
+     "C1 out 0 8.26e-05 ic=0\n"
+     "R1 out 0 19.7\n"
+     "K1 L1 L2 0.99\n"
+     ".model DX0 D(Ron=0 Roff=10000000000 Vfwd=1)\n"
+     ".model SX1 SW(Ron=0 Roff=1000000000 Vt=0.5)\n"
+     ".tran 2.2087e-05 0.00088348 uic\n"
+     ".save i(L1) i(L2) i(L3) v(out,0)\n"
+     ".end\n"},
+    {"the current of a leak of 10^12 Ohm is gone before a snubber's capacitor has moved",
+     "push-pull\n"
+     "Vg0 g0 0 PULSE(0 1 7.38e-08 0 0 1.1513e-06 3.69e-06)\n"
+     "Vg1 g1 0 PULSE(0 1 1.9188e-06 0 0 1.1513e-06 3.69e-06)\n"
+     "V1 in 0 48\n"
+     "L1 in a 2.5e-05 ic=0\n"
+     "L2 b in 2.5e-05 ic=0\n"
+     "S1 a 0 g0 0 SX1\n"
+     "D1 0 a DX0\n"
+     "S2 b 0 g1 0 SX1\n"
+     "D2 0 b DX0\n"
+     "R1 a sna 12.7\n"
+     "C1 sna 0 3.11e-10 ic=0\n"
+     "R2 b snb 3.75\n"
+     "C2 snb 0 1.77e-09 ic=0\n"
+     "L3 sa 0 4.55625e-05 ic=0\n"
+     "L4 0 sb 4.55625e-05 ic=0\n"
+     "D3 sa f DX0\n"
+     "D4 sb f DX0\n"
+     "L5 f out 0.00085 ic=0\n"
+     "C3 out 0 6.74e-07 ic=0\n"
+     "R3 out 0 48.5\n"
+     "K1 L1 L2 L3 L4 0.99\n"
+     ".model DX0 D(Ron=0.00647 Roff=1000000000000 Vfwd=0.3)\n"
+     ".model SX1 SW(Ron=0.0289 Vt=0.5)\n"
+     ".tran 1.8161e-06 7.2644e-05 uic\n"
+     ".save i(L1) i(L2) v(sna,0) v(snb,0) i(L3) i(L4) i(L5) v(out,0)\n"
+     ".end\n"},
+    {"the same from the start on",
+     "forward\n"
+     "Vg0 g0 0 PULSE(0 1 1.0232e-06 5.21e-09 5.21e-09 1.0055e-06 5.21e-06)\n"
+     "V1 in 0 400\n"
+     "S1 in pa g0 0 SX1\n"
+     "S2 pb 0 g0 0 SX1\n"
+     "D1 0 pa DX0\n"
+     "D2 pb in DX0\n"
+     "L1 pa pb 0.00019 ic=0\n"
+     "L2 s 0 5.95251e-06 ic=0\n"
+     "D3 s f DX0\n"
+     "D4 0 f DX0\n"
+     "L3 f out 1.95e-06 ic=0\n"
+     "C1 out 0 4.92e-05 ic=0\n"
+     "R1 out 0 1.07\n"
+     "K1 L1 L2 0.95\n"
+     ".model DX0 D(Ron=0.00306 Roff=1000000000000 Vfwd=0.3)\n"
+     ".model SX1 SW(Ron=0.00306 Roff=10000000 Vt=0.5)\n"
+     ".tran 2.5848e-06 0.000103392 uic\n"
+     ".save i(L1) i(L2) i(L3) v(out,0)\n"
+     ".end\n"},
+    {"a current that is zero to rounding makes a voltage across 10^11 Ohm",
+     "single-phase\n"
+     "V1 s p1 SIN(0 622 60 0 0 0)\n"
+     "R1 s p0 0.0149\n"
+     "D1 p0 dp DX0\n"
+     "D2 0 p0 DX0\n"
+     "D3 p1 dp DX0\n"
+     "D4 0 p1 DX0\n"
+     "C1 dp 0 4.61e-05 ic=0\n"
+     "R2 dp 0 490\n"
+     ".model DX0 D(Ron=0.00131 Roff=100000000 Vfwd=0.85)\n"
+     ".model SX1 SW(Ron=0.0106 Roff=71200000 Vt=0.5)\n"
+     ".tran 0.0020583 0.082332 uic\n"
+     ".save v(dp,0)\n"
+     ".end\n"},
+    {"two diodes in series pass at one instant",
+     "single-phase\n"
+     "V1 s p1 SIN(0 17 60 0 0 35.5)\n"
+     "L1 s p0 6.24e-06 ic=0\n"
+     "D1 p0 dp DX0\n"
+     "D2 0 p0 DX0\n"
+     "D3 p1 dp DX0\n"
+     "D4 0 p1 DX0\n"
+     "C1 dp 0 0.000626 ic=0\n"
+     "R1 dp 0 102\n"
+     "R2 p0 x 2.2\n"
+     "C2 x p1 2.84e-08 ic=0\n"
+     ".model DX0 D(Ron=0.00623 Roff=10000000000 Vfwd=0.55)\n"
+     ".model SX1 SW(Ron=0.00623 Roff=825000000 Vt=0.5)\n"
+     ".tran 0.0020704 0.082816 uic\n"
+     ".save i(L1) v(dp,0) v(x,p1)\n"
+     ".end\n"},
+};
+
+}  // namespace
+
+TEST_CASE("converters behind large leaks agree between dense modes and Krylov segments", "[regression]") {
+  constexpr double expected = 1e-7;  // of the largest value of a signal
+  for (const Case& c : cases) {
+    INFO(c.what << "\n" << c.deck);
+    const test::DeckRun modes = test::run_text(c.deck), segments = test::run_text_segments(c.deck);
+    REQUIRE(modes.answer.outcome == engine::Outcome::completed);
+    REQUIRE(segments.answer.outcome == engine::Outcome::completed);
+    REQUIRE(segments.rows.size() == modes.rows.size());
+    for (std::size_t k = 1; k < modes.rows.front().size(); ++k) {
+      double largest = 0.0, difference = 0.0;
+      for (std::size_t i = 0; i < modes.rows.size(); ++i) {
+        largest = std::max(largest, std::abs(modes.rows[i][k]));
+        difference = std::max(difference, std::abs(modes.rows[i][k] - segments.rows[i][k]));
+      }
+      CHECK(difference <= expected * largest);
+    }
+  }
+}
