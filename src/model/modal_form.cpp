@@ -100,13 +100,14 @@ std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode) {
   // With coordinates s, t of the two columns of a pair z = s − i t, and p·(Re v s + Im v t) = Re (p·v) z.
   form->velocities = in_pairs(velocities, form->rates, -1);
   form->pushes = in_pairs(pushes, form->rates, -1);
-  form->weights = in_pairs((guards(Eigen::all, moved) * v).transpose(), form->rates, 1);
+  const WideMatrix moved_guards = guards(Eigen::all, moved), given_guards = guards(Eigen::all, given);
+  form->weights = in_pairs((moved_guards * v).transpose(), form->rates, 1);
   form->weight_sizes = Matrix(form->weights.rows() / 2, form->weights.cols());
   for (Eigen::Index k = 0; k < form->weight_sizes.rows(); ++k)
     form->weight_sizes.row(k) = form->weights.middleRows(2 * k, 2).colwise().norm();
   form->absolute_velocities = form->velocities.cwiseAbs();
   form->drift = Matrix::Zero(guards.rows(), mode.ny);
-  form->drift(Eigen::all, given) = (guards(Eigen::all, given) * given_rates).cast<double>();
+  form->drift(Eigen::all, given) = (given_guards * given_rates).cast<double>();
   return form;
 }
 

@@ -16,8 +16,8 @@ import time
 
 import circuits
 
-CASES = [("cockcroft_walton", [10]), ("cockcroft_walton", [20]), ("cockcroft_walton", [40]), ("cockcroft_walton", [100]),
-         ("multilevel", [10]), ("multilevel", [40]), ("grid", [6, 3])]
+CASES = [("cockcroft_walton", [10]), ("cockcroft_walton", [20]), ("cockcroft_walton", [40]), ("cockcroft_walton", [100]), ("cockcroft_walton", [200]),
+         ("multilevel", [10]), ("multilevel", [20]), ("multilevel", [40]), ("grid", [6, 3])]
 
 
 def run(program, deck, arguments, seconds):
