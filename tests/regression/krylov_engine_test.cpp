@@ -82,10 +82,10 @@ TEST_CASE("time itself is no larger than the run by segments and by implicit ste
       "relay\nC1 x 0 1 ic=0.25\nB1 0 x I={time}\nA1 x %i x relay\n.model relay relay(level=1)\n.save v(x)\n.tran 0.1 2 uic\n";
   const std::string diodes =
       "at rest\nB1 a 0 V={time+2}\nR1 a b 1k\nD1 b 0 DX\nD2 0 b DX\nR2 b c 1k\nV2 c 0 -1\n.model DX D\n.save v(b)\n.tran 1n 2n\n";
-  const auto check = [](const DeckRun& run, const auto& expected, double bound) {
+  const auto check = [](const DeckRun& run, const auto& expected, double most) {
     INFO(run.answer.id << " " << run.answer.message);
     REQUIRE(run.answer.outcome == pwlsim::engine::Outcome::completed);
-    for (const auto& row : run.rows) CHECK(std::abs(row[1] - expected(row[0])) <= bound);
+    for (const auto& row : run.rows) CHECK(std::abs(row[1] - expected(row[0])) <= most);
   };
   const auto x = [](double t) { return t < 1.0 - std::sqrt(0.5) ? 0.25 - t + 0.5 * t * t : t < 1.0 ? 0.0 : 0.5 * (t - 1.0) * (t - 1.0); };
   check(run_text_segments(relay), x, 1e-11);
