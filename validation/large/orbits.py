@@ -79,7 +79,10 @@ def main():
             print(f"| {label} | {told} | {result} | | | | | | |", flush=True)
             continue
         pss = result["pss"]
-        leading = f"1 − {1.0 - pss['multipliers'][0]['abs']:.3g}" if pss["multipliers"] else "below 1e-9"
+        if pss["multipliers"]:
+            leading = f"1 − {1.0 - pss['multipliers'][0]['abs']:.3g}"
+        else:
+            leading = "below 1e-9" if pss["stability"] else "not known"
         apart = f"{difference(stores(exact), stores(result)):.0e}" if isinstance(exact, dict) else ""
         print(f"| {label} | {told} | {took:.2f} | {pss['iterations']} | {pss['periods_simulated']} | {pss['residual']:.0e} | {leading} | "
               f"{apart} | {next_period(program, deck, result, 10 * seconds)} |", flush=True)
