@@ -107,7 +107,8 @@ std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode) {
     form->weight_sizes.row(k) = form->weights.middleRows(2 * k, 2).colwise().norm();
   form->absolute_velocities = form->velocities.cwiseAbs();
   form->drift = Matrix::Zero(guards.rows(), mode.ny);
-  form->drift(Eigen::all, given) = (given_guards * given_rates).cast<double>();
+  const Matrix drift = (given_guards * given_rates).cast<double>();
+  for (std::size_t k = 0; k < given.size(); ++k) form->drift.col(given[k]) = drift.col(static_cast<Eigen::Index>(k));
   return form;
 }
 
