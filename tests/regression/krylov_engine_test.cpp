@@ -61,6 +61,19 @@ TEST_CASE("corners of a source that are a picosecond apart are two by Krylov seg
   }
 }
 
+// i = t into R: v = R t, at most 10⁻⁷ A after the run's 100 ns, where what `time` reaches later does not count.
+TEST_CASE("time counts by what it reaches within a run by Krylov segments", "[regression]") {
+  const DeckRun run =
+      run_text_segments("ramp\nB1 0 y I={time}\nL1 y z 1m ic=0\nR1 z 0 1k\nC1 z 0 1f ic=0\n.save i(L1) v(z)\n.tran 1n 100n uic\n");
+  INFO(run.answer.id << " " << run.answer.message);
+  REQUIRE(run.answer.outcome == pwlsim::engine::Outcome::completed);
+  constexpr double tau = 1e3 * 1e-15;  // RC: v = R (t − τ (1 − e^{−t/τ}))
+  for (const auto& row : run.rows) {
+    CHECK(std::abs(row[1] - row[0]) <= 1e-9 * 1e-7);
+    CHECK(std::abs(row[2] - 1e3 * (row[0] + tau * std::expm1(-row[0] / tau))) <= 1e-9 * 1e-4);
+  }
+}
+
 // A buck under peak-current control whose clock sets its latch at the instant at which the run ends: in what was left of it, 0 s, signs were rounding (E-singular). The last row is of what follows: the
 // switch is closed, v(sw) = Vin.
 TEST_CASE("a run by Krylov segments may end where a switch closes", "[regression]") {

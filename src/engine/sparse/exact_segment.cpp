@@ -64,7 +64,7 @@ ExactSegment::ExactSegment(const Descriptor& descriptor, const Sources& sources,
       controls_(controls),
       tolerance_(tolerance),
       stop_(stop),
-      space_(descriptor, sources.exosystem()) {
+      space_(descriptor, sources.exosystem(), stop) {
   system_.exosystem = std::make_shared<model::Exosystem>(std::vector<model::SourceFunction>{}, false);
   held_.assign(static_cast<std::size_t>(descriptor.first_switch()), 0.0);
   find_parallel_ports();

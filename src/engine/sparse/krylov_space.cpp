@@ -20,7 +20,7 @@ constexpr double most_growth = 1e3;  ///< of y over a segment: more is made of r
 
 }  // namespace
 
-KrylovSpace::KrylovSpace(const Descriptor& descriptor, const model::Exosystem& exosystem)
+KrylovSpace::KrylovSpace(const Descriptor& descriptor, const model::Exosystem& exosystem, double stop)
     : descriptor_(descriptor),
       exosystem_(exosystem),
       change_(descriptor, exosystem),
@@ -31,7 +31,13 @@ KrylovSpace::KrylovSpace(const Descriptor& descriptor, const model::Exosystem& e
       conduction_of_nodes_(linalg::transposed(descriptor.conduction(), descriptor.nodes())) {
   source_weight_ = Vector::Ones(exosystem.size());
   // A milliampere counts as much as the constant 1; a kilovolt keeps counting as more.
-  for (const auto& block : exosystem.blocks()) source_weight_[block.first] = std::max(1.0, 1.0 / block.scale);
+  std::vector<double> zeta(static_cast<std::size_t>(exosystem.size()));
+  exosystem.evaluate(exosystem.start(), 0.0, zeta.data());
+  for (const auto& block : exosystem.blocks()) {
+    const bool is_ramp = block.kind == model::Exosystem::Block::Kind::ramp;
+    const double most = is_ramp ? std::abs(zeta[static_cast<std::size_t>(block.first)]) + block.rate * stop : block.scale;
+    source_weight_[block.first] = std::max(1.0, 1.0 / std::min(block.scale, most));
+  }
   const double r0 = descriptor.r0();
   for (const State& state : descriptor.states()) {
     state_weight_.push_back(std::sqrt(std::abs(state.storage) * (state.is_current ? 1.0 / r0 : r0)));

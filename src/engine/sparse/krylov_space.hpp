@@ -28,7 +28,8 @@ namespace pwlsim::engine::sparse {
 
 class KrylovSpace {
  public:
-  KrylovSpace(const Descriptor& descriptor, const model::Exosystem& exosystem);
+  /// `stop`: end of the run, s. Sources count by what they may reach until then.
+  KrylovSpace(const Descriptor& descriptor, const model::Exosystem& exosystem, double stop = model::forever);
 
   /// Unknowns of that size, in volts, are not small: where all are smaller a position may hold at zero what is rounding.
   void note_least_voltage(double least) { least_ = least; }
