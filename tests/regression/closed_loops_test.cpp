@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "regression/closed_loops.hpp"
+#include "regression/comparison.hpp"
 #include "regression/deck_run.hpp"
 
 namespace {
@@ -16,20 +17,6 @@ using namespace pwlsim;
 constexpr double expected = 1e-6;
 /// V and A beside 12 V: a loop that stays off shows its leaks, and their rounding.
 constexpr double least_size = 1e-6;
-
-double largest_difference(const test::DeckRun& one, const test::DeckRun& other) {
-  if (one.rows.empty()) return 0.0;
-  double worst = 0.0;
-  for (std::size_t k = 1; k < one.rows.front().size(); ++k) {
-    double largest = least_size, difference = 0.0;
-    for (std::size_t i = 0; i < one.rows.size(); ++i) {
-      largest = std::max(largest, std::abs(one.rows[i][k]));
-      difference = std::max(difference, std::abs(one.rows[i][k] - other.rows[i][k]));
-    }
-    if (difference > 0.0) worst = std::max(worst, difference / largest);
-  }
-  return worst;
-}
 
 /// Some cannot go on: a comparator without hysteresis whose switch takes it back, while the clock is high. They must end in every way of writing.
 constexpr double least_completed = 0.8;
@@ -49,10 +36,23 @@ void check_loops(std::uint64_t first, std::uint64_t count, int ways) {
       const test::DeckRun twin = test::run_text(other.text);
       REQUIRE((twin.answer.outcome == engine::Outcome::completed) == ends);
       REQUIRE(twin.rows.size() == run.rows.size());
-      CHECK(largest_difference(run, twin) <= expected);
+      CHECK(test::largest_difference(run, twin, least_size) <= expected);
     }
   }
   CHECK(static_cast<double>(completed) >= least_completed * static_cast<double>(count));
+}
+
+void check_engines(std::uint64_t seed) {
+  constexpr double tolerance = 1e-5, most = 1e-2;  // of implicit steps over some 200 events
+  const test::ClosedLoop loop = test::random_closed_loop(seed, 0);
+  INFO("seed " << seed << "\n" << loop.text);
+  const test::DeckRun modes = test::run_text(loop.text), segments = test::run_text_segments(loop.text);
+  const test::DeckRun steps = test::run_text_sparse(loop.text, tolerance);
+  REQUIRE(modes.answer.outcome == engine::Outcome::completed);
+  REQUIRE(segments.answer.outcome == engine::Outcome::completed);
+  REQUIRE(steps.answer.outcome == engine::Outcome::completed);
+  CHECK(test::largest_difference(modes, segments, least_size) <= expected);
+  CHECK(test::largest_difference(modes, steps, least_size) <= most);
 }
 
 }  // namespace
@@ -74,41 +74,19 @@ TEST_CASE("converters in closed loop agree between dense modes and Krylov segmen
     REQUIRE(segments.rows.size() == modes.rows.size());
     modes.rows.erase(modes.rows.begin());
     segments.rows.erase(segments.rows.begin());
-    CHECK(largest_difference(modes, segments) <= expected);
+    CHECK(test::largest_difference(modes, segments, least_size) <= expected);
   }
 }
 
 // Half bridges of ideal switches: what opens one is an inverter of what closes the other, so that both short-circuit the source while the logic is on its way.
 TEST_CASE("complementary switches change by their logic, whatever they short-circuit on its way", "[regression]") {
-  constexpr double tolerance = 1e-5, most = 1e-2;  // of implicit steps over some 100 events
-  for (const std::uint64_t seed : {77, 88, 98, 105, 112, 132}) {
-    const test::ClosedLoop loop = test::random_closed_loop(seed, 0);
-    INFO("seed " << seed << "\n" << loop.text);
-    const test::DeckRun modes = test::run_text(loop.text), segments = test::run_text_segments(loop.text);
-    const test::DeckRun steps = test::run_text_sparse(loop.text, tolerance);
-    REQUIRE(modes.answer.outcome == engine::Outcome::completed);
-    REQUIRE(segments.answer.outcome == engine::Outcome::completed);
-    REQUIRE(steps.answer.outcome == engine::Outcome::completed);
-    CHECK(largest_difference(modes, segments) <= expected);
-    CHECK(largest_difference(modes, steps) <= most);
-  }
+  for (const std::uint64_t seed : {77, 88, 98, 105, 112, 132}) check_engines(seed);
 }
 
 // Between two gates of the logic both switches of a half bridge are open: the current of its inductor would be cut off, and what reads it would take the logic back. 36: a guard beside zero
 // that no bound decides, 400 times at one instant.
 TEST_CASE("logic settles before the parts that it switches", "[regression]") {
-  constexpr double tolerance = 1e-5, most = 1e-2;  // of implicit steps over some 200 events
-  for (const std::uint64_t seed : {36, 82, 84, 102, 114, 128, 143}) {
-    const test::ClosedLoop loop = test::random_closed_loop(seed, 0);
-    INFO("seed " << seed << "\n" << loop.text);
-    const test::DeckRun modes = test::run_text(loop.text), segments = test::run_text_segments(loop.text);
-    const test::DeckRun steps = test::run_text_sparse(loop.text, tolerance);
-    REQUIRE(modes.answer.outcome == engine::Outcome::completed);
-    REQUIRE(segments.answer.outcome == engine::Outcome::completed);
-    REQUIRE(steps.answer.outcome == engine::Outcome::completed);
-    CHECK(largest_difference(modes, segments) <= expected);
-    CHECK(largest_difference(modes, steps) <= most);
-  }
+  for (const std::uint64_t seed : {36, 82, 84, 102, 114, 128, 143}) check_engines(seed);
 }
 
 // Set and reset fall at one instant, one by its source and the other through a gate without delay: there is no time in which the latch is set alone. By implicit steps it was set.

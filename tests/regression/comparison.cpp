@@ -147,4 +147,19 @@ double worst_error(const DeckRun& run, const Reference& reference) {
   return worst;
 }
 
+double largest_difference(const DeckRun& one, const DeckRun& other, double least) {
+  REQUIRE(one.rows.size() == other.rows.size());
+  if (one.rows.empty()) return 0.0;
+  double worst = 0.0;
+  for (std::size_t k = 1; k < one.rows.front().size(); ++k) {
+    double largest = least, difference = 0.0;
+    for (std::size_t i = 0; i < one.rows.size(); ++i) {
+      largest = std::max(largest, std::abs(one.rows[i][k]));
+      difference = std::max(difference, std::abs(one.rows[i][k] - other.rows[i][k]));
+    }
+    if (difference > 0.0) worst = std::max(worst, difference / largest);
+  }
+  return worst;
+}
+
 }  // namespace pwlsim::test

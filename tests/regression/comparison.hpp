@@ -25,4 +25,7 @@ void compare_with_reference(const std::filesystem::path& deck, const Bounds& bou
 /// The worst error over the signals and all rows, of each signal's largest value, but those at an instant that the reference names.
 [[nodiscard]] double worst_error(const DeckRun& run, const Reference& reference);
 
+/// The largest difference of two runs' rows, of each signal's largest value in the first, which counts as `least` at least. Requires as many rows of both.
+[[nodiscard]] double largest_difference(const DeckRun& one, const DeckRun& other, double least = 0.0);
+
 }  // namespace pwlsim::test

@@ -5,12 +5,14 @@
 
 #include <cmath>
 
+#include "regression/comparison.hpp"
 #include "regression/deck_run.hpp"
 
 namespace {
 
 using pwlsim::engine::Outcome;
 using pwlsim::test::DeckRun;
+using pwlsim::test::largest_difference;
 using pwlsim::test::run_text;
 using pwlsim::test::run_text_sparse;
 
@@ -23,20 +25,6 @@ std::string six_phases(const std::string& model) {
     deck += fmt::format("V{0} p{0} nn SIN(0 325 50 0 0 {1})\nLs{0} p{0} q{0} 100u ic=0\nD{0}a q{0} dp DX\nD{0}b 0 q{0} DX\n", k, -60 * k);
   return deck + "L1 dp out 10m ic=0\nC1 out 0 470u ic=0\nR1 out 0 50\n.model DX " + model +
          "\n.save v(out) i(L1) i(Ls0) i(Ls1)\n.tran 0.5m 60m uic\n.end\n";
-}
-
-double largest_difference(const DeckRun& a, const DeckRun& b) {
-  REQUIRE(a.rows.size() == b.rows.size());
-  double worst = 0.0;
-  for (std::size_t signal = 1; signal < a.rows.front().size(); ++signal) {
-    double largest = 0.0, most = 0.0;
-    for (std::size_t i = 0; i < a.rows.size(); ++i) {
-      largest = std::max(largest, std::abs(a.rows[i][signal]));
-      most = std::max(most, std::abs(a.rows[i][signal] - b.rows[i][signal]));
-    }
-    worst = std::max(worst, most / largest);
-  }
-  return worst;
 }
 
 }  // namespace

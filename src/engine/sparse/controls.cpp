@@ -55,12 +55,19 @@ bool WatchedControl::passes_with(const WatchedControl& other, const Position& on
 
 std::vector<WatchedControl> controls_of(const model::Network& network, const Descriptor& descriptor) {
   std::vector<WatchedControl> controls;
-  const std::vector<int> turns = network.switches.empty() ? std::vector<int>{} : turns_of(network);
   for (std::size_t i = 0; i < network.switches.size(); ++i) {
     const auto& s = network.switches[i];
-    controls.push_back({static_cast<std::size_t>(descriptor.first_switch()) + i, descriptor.form(s.control), s.on_level, s.off_level,
-                        s.inverted, turns[i]});
+    controls.push_back(
+        {static_cast<std::size_t>(descriptor.first_switch()) + i, descriptor.form(s.control), s.on_level, s.off_level, s.inverted});
   }
+  return controls;
+}
+
+std::vector<WatchedControl> controls_in_turn(const model::Network& network, const Descriptor& descriptor) {
+  std::vector<WatchedControl> controls = controls_of(network, descriptor);
+  if (controls.empty()) return controls;
+  const std::vector<int> turns = turns_of(network);
+  for (std::size_t i = 0; i < controls.size(); ++i) controls[i].turn = turns[i];
   return controls;
 }
 

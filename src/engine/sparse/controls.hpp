@@ -37,9 +37,10 @@ struct WatchedControl {
   [[nodiscard]] double noise(double form_value, double largest_unknown) const;
 };
 
-/// Their turns: gates of logic, which has no states, come first, then its latches, then all that reads or drives parts with states, so that these see as one change
-/// what logic does in several rounds.
 [[nodiscard]] std::vector<WatchedControl> controls_of(const model::Network& network, const Descriptor& descriptor);
+/// The same with their turns: gates of logic, which has no states, come first, then its latches, then all that reads or drives parts with states, so that these see as one change
+/// what logic does in several rounds.
+[[nodiscard]] std::vector<WatchedControl> controls_in_turn(const model::Network& network, const Descriptor& descriptor);
 
 /// The start position of all ports: diodes off, switches as their elements say.
 [[nodiscard]] Position first_position(const model::Network& network, const Descriptor& descriptor);

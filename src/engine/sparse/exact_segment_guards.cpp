@@ -137,8 +137,10 @@ void ExactSegment::note_instant(double time, const Position& on, const std::vect
     if (w.empty()) sources_.evaluate(time, w);
     const DescriptorPort& port = descriptor_.ports()[i];
     const double slack = std::abs(port.slack.value(z.data(), w.data()));
-    const double most = on[i] != 0 ? tolerance::guard_sign * port.slack_size(z.data(), w.data()) : held_[i];
-    held_[i] = slack > most ? 0.0 : on[i] != 0 ? beyond_held * slack : held_[i];
+    if (on[i] != 0)
+      held_[i] = slack > tolerance::guard_sign * port.slack_size(z.data(), w.data()) ? 0.0 : beyond_held * slack;
+    else if (slack > held_[i])
+      held_[i] = 0.0;
   }
 }
 

@@ -17,7 +17,7 @@ struct Part {
         gates(take_gates(island.network)),
         watched(watched_switches(island.network)),
         descriptor(island.network),
-        controls(controls_of(island.network, descriptor)) {}
+        controls(controls_in_turn(island.network, descriptor)) {}
   Part(const Part&) = delete;
   Part& operator=(const Part&) = delete;
 

@@ -200,7 +200,7 @@ class PartRun {
   [[nodiscard]] std::vector<std::string> changed_ports() const;
   bool watch_crowd(double time);
 
-  // part_run_segments.cpp: in place of steps
+  // part_run_search.cpp and part_run_segments.cpp: in place of steps
   void note_least_voltage();
   [[nodiscard]] bool begin_on_the_way(const PartStart& start);
   [[nodiscard]] bool begin_segment();
