@@ -67,7 +67,10 @@ constexpr int colamd = 1;
 }  // namespace
 
 struct KluOrdering::Handle {
-  explicit Handle(const SparsePattern& whole) : pattern(whole) { klu_defaults(&common); }
+  explicit Handle(const SparsePattern& whole) : pattern(whole) {
+    klu_defaults(&common);
+    common.tol = tolerance::least_pivot;
+  }
   /// Of KLU's ordering by that method. False: it found none.
   bool find_order(int method);
   void take_order(BlockOrder other) {

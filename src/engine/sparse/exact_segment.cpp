@@ -97,10 +97,21 @@ void ExactSegment::note_least_voltage(double least) {
   peak_ = square > 0.0 ? std::sqrt(square) : 1.0;  // without states only sources move
 }
 
+double ExactSegment::first_length() const { return std::min(sources_.shortest_period() / 8.0, first_share * stop_); }
+
 double ExactSegment::usual_length(const Position& on, double longest) const {
   const auto habit = habits_.find(key(on));
-  const double period = std::min(sources_.shortest_period() / 8.0, first_share * stop_);
-  return std::min(longest, share_ * (habit != habits_.end() && habit->second.length > 0.0 ? habit->second.length : period));
+  return std::min(longest, share_ * (habit != habits_.end() && habit->second.length > 0.0 ? habit->second.length : first_length()));
+}
+
+/// Whether a guard has no sign because the segment is as short as the last one in its position was: in a short one rates are rounding that a longer one tells from zero.
+bool ExactSegment::is_undecided_by_habit(double longest) {
+  Habit& habit = habits_[key_];
+  if (share_ < 1.0 || habit.stays_undecided || !(near * habit.length < std::min(longest, first_length()))) return false;
+  const bool is_undecided =
+      std::any_of(segment_.departures.begin(), segment_.departures.end(), [](const auto& departure) { return departure.order < 0; });
+  if (!(habit.length > 0.0)) habit.stays_undecided = is_undecided;
+  return is_undecided && habit.length > 0.0;
 }
 
 /// 1/γ of a rung, or one that the position has a factor for.
@@ -359,7 +370,9 @@ ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start) {
   take_guards(start.on);
   bound_guards();
   judge_start();
-  return Opened::yes;
+  if (!is_undecided_by_habit(start.longest)) return Opened::yes;
+  habits_[key_].length = 0.0;
+  return open(factors, start);
 }
 
 /// Most events come soon: what lies far beyond is looked at after that.

@@ -163,10 +163,13 @@ class ExactSegment {
     double length = 0.0, turning = 0.0;  ///< s, and radians per s
     int vectors = 0;                     ///< that its next segment is expected to need
     std::vector<double> shifts;
-    bool refines = false;  ///< solutions are corrected by their residuals
+    bool refines = false;          ///< solutions are corrected by their residuals
+    bool stays_undecided = false;  ///< a guard has no sign at the first length either
   };
   [[nodiscard]] static std::string key(const Position& on) { return {on.begin(), on.end()}; }
   [[nodiscard]] double shift_for(double length);
+  [[nodiscard]] double first_length() const;
+  [[nodiscard]] bool is_undecided_by_habit(double longest);
   [[nodiscard]] Opened build(Factors& factors, const Origin& start);
   [[nodiscard]] Opened build(Factors& factors, const Origin& start, double length, double ratio, int attempts);
   [[nodiscard]] bool resolve();

@@ -202,7 +202,7 @@ bool PartRun::share_freely() {
 bool PartRun::correct_rows() {
   if (segment_->is_refined() || !certificate_.looks_next()) return true;
   const Point first = point_of_segment(0.0, point_.time);
-  if (!(certificate_.row_residual(first, 1.0 / segment_->length()) > tolerance::doubtful_rows)) return true;
+  if (!(certificate_.row_residual(first, {.length = segment_->length()}) > tolerance::doubtful_rows)) return true;
   segment_->refine(true);
   if (open_segment(point_.on) == ExactSegment::Opened::yes && segment_->negative().empty() &&
       segment_->distance(first.z, point_of_segment(0.0, point_.time).z) <= tolerance::start_rounding) {

@@ -57,7 +57,6 @@ bool PartRun::begin_segment() {
         describe_jump(part_, {time, states, after}, {h, jump_steps_.first, jump_steps_.second}, tolerance::told_impulse));
   }
   if (instant.jump && request_.probes.sink != nullptr) note_segment_impulses();
-  certificate_.add_point(next, ports_, 1.0 / segment_->length(), segment_->rising());
   certificate_.add_estimate(segment_->worst_estimate());
   error_holds_ = error_holds_ && !instant.jump;
   if (request_.jumps && !instant.jump) error_ += segment_->start_error(point_.z, next.z);
@@ -98,14 +97,16 @@ bool PartRun::follow_segment() {
   const double limit = std::min(next_break(), request_.stop);
   const ExactSegment::Passage& passage = segment_->locate(limit - segment_->start());
   const double tau = request_.probes.sink != nullptr ? resolved_until(passage.tau) : passage.tau;
+  const SegmentTimes times{segment_->length(), passage.tau};
+  if (segment_tau_ == 0.0) certificate_.add_point(point_, ports_, times, segment_->rising());
   for (const double share : inner_points) {
     if (!certificate_.wants_point()) continue;
     const double inside = segment_tau_ + share * (tau - segment_tau_);
-    certificate_.add_point(point_of_segment(inside, segment_->start() + inside), ports_, 1.0 / segment_->length());
+    certificate_.add_point(point_of_segment(inside, segment_->start() + inside), ports_, times);
   }
   const double time = segment_->start() + tau;
   Point next = point_of_segment(tau, is_same_instant(time, limit) ? limit : time);
-  certificate_.add_point(next, ports_, 1.0 / segment_->length());
+  certificate_.add_point(next, ports_, times);
   if (records_ && tau >= passage.tau) record_end(next, tau, passage);
   settle_in(next);
   segment_tau_ = tau;

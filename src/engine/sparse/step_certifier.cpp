@@ -29,35 +29,40 @@ void StepCertifier::add_step(const Point& from, const Stepper::Trial& trial, con
   add_energy(from, trial);
 }
 
-void StepCertifier::add_point(const Point& point, const PortSolver& ports, double rate, std::span<const int> rising) {
+void StepCertifier::add_point(const Point& point, const PortSolver& ports, const SegmentTimes& times, std::span<const int> rising) {
   if (!sampled()) return;
-  add_rows(point, rate);
+  add_rows(point, times);
   add_ports(point, ports, rising);
 }
 
-void StepCertifier::add_rows(const Point& point, double rate) {
+void StepCertifier::add_rows(const Point& point, const SegmentTimes& times) {
   const auto n = static_cast<std::size_t>(descriptor_.size());
-  for (auto* v : {&rows_.residual, &rows_.size}) v->resize(n, 0.0);
+  for (auto* v : {&rows_.residual, &rows_.moved, &rows_.size}) v->resize(n, 0.0);
   for (auto* v : {&rates_, &row_size_}) v->resize(n);
   descriptor_.rates(point.z.data(), point.w.data(), rates_.data());
   descriptor_.rate_sizes(point.z.data(), point.w.data(), row_size_.data());
   for (int node = 0; node < descriptor_.nodes(); ++node)
     rows_.voltage = std::max(rows_.voltage, std::abs(point.z[static_cast<std::size_t>(node)]));
   for (std::size_t i = 0; i < n; ++i) {
-    rows_.residual[i] = std::max(rows_.residual[i], std::abs(point.k[i] - rates_[i]));
+    const double residual = std::abs(point.k[i] - rates_[i]);
+    rows_.residual[i] = std::max(rows_.residual[i], residual);
+    if (residual > 0.0) rows_.moved[i] = std::max(rows_.moved[i], residual * times.followed);
     rows_.size[i] = std::max(rows_.size[i], std::abs(point.k[i]) + row_size_[i]);
   }
-  if (rate == 0.0) return;
+  if (!(times.length < INFINITY)) return;
   descriptor_.memory(point.z.data(), rates_.data());
   const double twice_energy = std::max(descriptor_.product(point.z, rates_), 0.0);
+  rows_.twice_energy = std::max(rows_.twice_energy, twice_energy);
   for (std::size_t i = 0; i < n; ++i)
-    rows_.size[i] = std::max({rows_.size[i], rate * std::abs(rates_[i]), rate * std::sqrt(std::max(stores_[i], 0.0) * twice_energy)});
+    rows_.size[i] =
+        std::max(rows_.size[i], std::max(std::abs(rates_[i]), std::sqrt(std::max(stores_[i], 0.0) * twice_energy)) / times.length);
 }
 
-double StepCertifier::row_residual(const Point& point, double rate) {
+double StepCertifier::row_residual(const Point& point, const SegmentTimes& times) {
   Rows kept = rows_;
   rows_.residual.clear();
-  add_rows(point, rate);
+  rows_.moved.clear();
+  add_rows(point, times);
   std::swap(rows_, kept);
   return largest_residual(kept);
 }
@@ -109,9 +114,12 @@ void StepCertifier::add_energy(const Point& from, const Stepper::Trial& trial) {
 double StepCertifier::largest_residual(const Rows& rows) const {
   const double most = rows.size.empty() ? 0.0 : std::max(rows.voltage, *std::max_element(rows.size.begin(), rows.size.end()));
   double worst = 0.0;
-  for (std::size_t i = 0; i < rows.residual.size(); ++i)
-    if (rows.size[i] > 0.0 && rows.residual[i] > tolerance::unknown_rounding * least_)
-      worst = std::max(worst, rows.residual[i] / std::max(rows.size[i], tolerance::idle_row * most));
+  for (std::size_t i = 0; i < rows.residual.size(); ++i) {
+    if (!(rows.size[i] > 0.0 && rows.residual[i] > tolerance::unknown_rounding * least_)) continue;
+    const double of_terms = rows.residual[i] / std::max(rows.size[i], tolerance::idle_row * most);
+    const double store = std::sqrt(std::max(stores_[i], 0.0) * rows.twice_energy);
+    worst = std::max(worst, store > 0.0 ? std::min(of_terms, rows.moved[i] / store) : of_terms);
+  }
   return worst;
 }
 

@@ -1,12 +1,19 @@
 #pragma once
 /// Residuals of the equations on samples of the accepted steps.
 
+#include <cmath>
 #include <span>
 
 #include "engine/run.hpp"
 #include "engine/sparse/stepper.hpp"
 
 namespace pwlsim::engine::sparse {
+
+/// Of a segment, s: its length, and for how long it was followed. A rate that is off by a part of a charge or flux over the length is off by that part; and by no more than what it makes of them in
+/// the time it was followed. They count as what all the energy would be in the row's store, |(E z)_i| <= sqrt(E_ii zᵀE z): that is what a segment's error is measured against.
+struct SegmentTimes {
+  double length = INFINITY, followed = INFINITY;
+};
 
 /// Every step at first, then an evenly thinning sample:
 ///  - complementarity: |min(u, s)| of the diodes, against the largest u or s of the run;
@@ -27,12 +34,10 @@ class StepCertifier {
     return is_sampled;
   }
   [[nodiscard]] bool looks_next() const { return seen_ % stride_ == 0; }
-  /// A point by itself. `rate`, 1/s: of a segment, one over its length; a rate that is off by this part of a charge or flux is off by as much as these over it. They
-  /// count as what all the energy would be in the row's store, |(E z)_i| <= sqrt(E_ii zᵀE z): that is what a segment's error is measured against.
-  /// `rising`: ports whose sign is not judged there, as they are at zero to rounding and rise.
-  void add_point(const Point& point, const PortSolver& ports, double rate = 0.0, std::span<const int> rising = {});
+  /// A point by itself. `rising`: ports whose sign is not judged there, as they are at zero to rounding and rise.
+  void add_point(const Point& point, const PortSolver& ports, const SegmentTimes& times = {}, std::span<const int> rising = {});
   /// The residual of the rows at a point that is not added, as `check` would have it.
-  [[nodiscard]] double row_residual(const Point& point, double rate);
+  [[nodiscard]] double row_residual(const Point& point, const SegmentTimes& times);
   /// A segment's error by its own estimate, relative to the largest √energy: a bound of its energy's error.
   void add_estimate(double share) { estimate_ = std::max(estimate_, share); }
   [[nodiscard]] Certificate check() const;
@@ -43,11 +48,11 @@ class StepCertifier {
   };
   [[nodiscard]] Rounding rounding_at(const Point& point) const;
   [[nodiscard]] bool sampled();
-  void add_rows(const Point& point, double rate = 0.0);
-  /// The largest residual and the largest terms of each row, and the largest voltage of a node: over R0 a current that counts when all is at rest.
+  void add_rows(const Point& point, const SegmentTimes& times = {});
+  /// Of each row the largest residual, the largest of what one makes of a charge or flux, and the largest terms; and the largest voltage of a node: over R0 a current that counts when all is at rest.
   struct Rows {
-    std::vector<double> residual, size;
-    double voltage = 0.0;
+    std::vector<double> residual, moved, size;
+    double voltage = 0.0, twice_energy = 0.0;
   };
   [[nodiscard]] double largest_residual(const Rows& rows) const;
   void add_ports(const Point& point, const PortSolver& ports, std::span<const int> rising = {});
