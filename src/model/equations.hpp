@@ -13,7 +13,9 @@ struct Equations {
   Matrix sx;                ///< stores × m
   Matrix z_state, z_input;  ///< z = z_state·(ξ, ζ) + z_input·u
   Matrix store_state;       ///< x_full = store_state·(ξ, ζ): all energy coordinates from the reduced ones
-  Matrix reduce;            ///< ξ = reduce·x_full (orthogonal: the charge- and flux-conserving projection)
+  Matrix reduce;            ///< ξ = reduce·x_full of values that satisfy the constraints of stores
+  /// ξ = start·x_full + start_sources·ζ of any values: the charge- and flux-conserving projection, which is orthogonal in a reciprocal network.
+  Matrix start, start_sources;
   double r0 = 1.0, tau0 = 1.0;
   /// Terminals and current unknown of each capacitor and inductor: with them, power into the stores is Σ v·i.
   struct StorePort {

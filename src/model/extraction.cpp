@@ -81,6 +81,7 @@ class Extractor {
         ha_(assembly.ha),
         hw_(assembly.hw),
         hw_edge_(WideMatrix::Zero(assembly.hw.rows(), assembly.hw.cols())),
+        h_edge_(WideMatrix::Zero(assembly.g.rows(), assembly.stores())),
         row_scale_(WideVector::Ones(assembly.g.rows())) {}
 
   std::optional<Extraction> run() {
@@ -108,6 +109,7 @@ class Extractor {
   void take_causality();
   void solve_unknowns();
   [[nodiscard]] WideMatrix data_bound(const WideMatrix& inverse, const WideMatrix& solution, const WideMatrix& right) const;
+  void take_start(const WideMatrix& inverse);
   void finish();
   void add_ports();
   void add_matrices();
@@ -120,6 +122,7 @@ class Extractor {
   Diagnostics& diagnostics_;
   WideMatrix g_, g_rest_, g_data_, f_, ha_, hw_;
   WideMatrix hw_edge_;              ///< over an instant G ∫z + H_a ∫a + this·Δζ = 0
+  WideMatrix h_edge_;               ///< the same where x and ζ miss the constraints: G ∫z + H_a ∫a + this·x + hw_edge·ζ = 0
   WideMatrix h_, s_zeta_;           ///< H x + S_ζ ζ = 0
   std::vector<Eigen::Index> held_;  ///< stores in which H is regular
   WideMatrix basis_, offset_;       ///< x = basis·ξ + offset·ζ
@@ -129,7 +132,8 @@ class Extractor {
   WideMatrix z_xi_, z_u_, z_zeta_;  ///< z = …·ξ, …·u, …·ζ
   WideMatrix z_edge_;               ///< ∫z = …·Δζ over an instant, with no impulse of u
   Matrix edge_;
-  WideMatrix a_, b_, e_;  ///< ξ' = a ξ + b u + e ζ
+  WideMatrix start_, start_zeta_;  ///< ξ = start·x + …·ζ of values that may miss the constraints
+  WideMatrix a_, b_, e_;           ///< ξ' = a ξ + b u + e ζ
   Extraction result_;
 };
 
@@ -138,7 +142,7 @@ void Extractor::equilibrate() {
     const Wide largest = g_.row(i).cwiseAbs().maxCoeff();
     if (largest == 0.0) continue;
     const Wide scale = std::ldexp(1.0L, -std::ilogb(largest));  // exact
-    for (WideMatrix* m : {&g_, &g_rest_, &g_data_, &f_, &ha_, &hw_, &hw_edge_}) m->row(i) *= scale;
+    for (WideMatrix* m : {&g_, &g_rest_, &g_data_, &f_, &ha_, &hw_, &hw_edge_, &h_edge_}) m->row(i) *= scale;
     row_scale_[i] *= scale;
   }
 }
@@ -197,6 +201,7 @@ bool Extractor::take_constraints(const LeftNull& null) {
     ha_.row(row).setZero();
     hw_.row(row) = nw.row(k) * assembly_.exosystem->a().cast<Wide>();
     hw_edge_.row(row) = nw.row(k);
+    h_edge_.row(row) = nf.row(k);
   }
   return true;
 }
@@ -299,11 +304,14 @@ void Extractor::solve_unknowns() {
   right << f_, hu_, hw_;
   WideMatrix solution = WideMatrix::Zero(m, right.cols());
   z_edge_ = WideMatrix::Zero(m, nz);
+  start_ = basis_.transpose();
+  start_zeta_ = WideMatrix::Zero(basis_.cols(), nz);
   if (m > 0) {
     const WideMatrix inverse = Eigen::PartialPivLU<WideMatrix>(g_).inverse();
     solution = linalg::refined_solution(g_, g_rest_, inverse, -right);
     solution = wide_cleaned(solution, data_bound(inverse, solution, right));
     if (!hw_edge_.isZero(0)) z_edge_ = -wide_clean_product(inverse, hw_edge_);
+    if (!h_edge_.isZero(0)) take_start(inverse);
   }
   // Of stores that share a constraint one is left out: what reads the others reads them alike, and nothing cancels in H·basis = 0.
   const WideMatrix solved = Eigen::PartialPivLU<WideMatrix>(h_(Eigen::all, held_)).inverse();
@@ -322,6 +330,14 @@ void Extractor::solve_unknowns() {
   a_ = rates(z_xi_);
   b_ = rates(z_u_);
   e_ = rates(z_zeta_);
+}
+
+/// Values that miss the constraints go where the impulses of the network's own laws take them. In a reciprocal network that is at right angles to basis; what a controlled source copies moves
+/// alone.
+void Extractor::take_start(const WideMatrix& inverse) {
+  const auto moved = [&](const WideMatrix& z) { return wide_clean_product(basis_.transpose(), wide_clean_product(assembly_.sx, z)); };
+  start_ = wide_clean_sum(start_, WideMatrix::Identity(start_.rows(), start_.rows()), -moved(wide_clean_product(inverse, h_edge_)));
+  start_zeta_ = moved(z_edge_);
 }
 
 void Extractor::add_ports() {
@@ -394,7 +410,9 @@ void Extractor::add_equations() {
   equations.store_state.resize(assembly_.stores(), size);
   equations.store_state << basis_.cast<double>(), offset_.cast<double>();
   equations.reduce = basis_.transpose().cast<double>();
-  system.x0 = equations.reduce * assembly_.initial_state();
+  equations.start = start_.cast<double>();
+  equations.start_sources = start_zeta_.cast<double>();
+  system.x0 = equations.start * assembly_.initial_state();
 }
 
 void Extractor::finish() {

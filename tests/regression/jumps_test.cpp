@@ -88,3 +88,22 @@ TEST_CASE("a switch that moves the current to a coupled winding does not change 
   CHECK(run.rows.back()[1] == Approx(0.0).margin(exact));
   CHECK(std::abs(run.rows.back()[2]) == Approx(1.5 * std::exp(-0.25)).epsilon(exact));
 }
+
+// What is behind a controlled source takes its charge from the source: v(a) = 5 e^(−t/RC) whatever copies or differentiates it. Dense modes shared the charge of C1 with the capacitor of the copy: 2.5 V,
+// and 5 uV beside that of a derivative, 1 F.
+TEST_CASE("a start that a copy of a voltage contradicts leaves the voltage where it is", "[regression]") {
+  const std::string store = "copied\nC1 a 0 1u ic=5\nR1 a 0 1k\n", end = ".save v(a) v(x)\n.tran 10u 1m uic\n";
+  const std::string copy = "E1 x 0 a 0 1\nC2 x 0 1u\nR2 x 0 1k\n", derivative = "B1 x 0 V={-1m*ddt(v(a))}\nR2 x 0 1k\n";
+  for (const std::string& reads : {copy, derivative}) {
+    const std::string deck = store + reads + end;
+    for (const DeckRun& run : {run_text(deck), run_text_segments(deck)}) {
+      INFO(deck << run.answer.id << " " << run.answer.message);
+      REQUIRE(run.answer.outcome == pwlsim::engine::Outcome::completed);
+      for (const auto& row : run.rows) {
+        const double expected = 5.0 * std::exp(-row[0] / 1e-3);
+        CHECK(row[1] == Approx(expected).epsilon(1e-11));
+        CHECK(row[2] == Approx(expected).epsilon(1e-9));
+      }
+    }
+  }
+}

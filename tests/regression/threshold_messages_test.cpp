@@ -19,10 +19,10 @@ std::string remarks(const DeckRun& run, const std::string& id) {
   return text;
 }
 
-/// Both engines' words on S1 in 4 V - S1 - 1 kΩ, with a control at c.
+/// The words of dense modes, implicit steps and segments on S1 in 4 V - S1 - 1 kΩ, with a control at c.
 void check(const std::string& control, const std::string& model, const std::string& rests, const std::string& never) {
   const std::string deck = "t\n" + control + "\nV9 in 0 4\nS1 in out c 0 SX\nR9 out 0 1k\n.model SX " + model + "\n.tran 1u 100u\n.end\n";
-  for (const DeckRun& run : {run_text(deck), run_text_sparse(deck, reltol)}) {
+  for (const DeckRun& run : {run_text(deck), run_text_sparse(deck, reltol), run_text_segments(deck)}) {
     INFO(deck << run.messages << run.answer.message);
     REQUIRE(run.answer.outcome == engine::Outcome::completed);
     const std::string at_rest = remarks(run, "W-switch-at-threshold"), in_vain = remarks(run, "N-never-switches");
@@ -58,6 +58,8 @@ TEST_CASE("a control that moves and never passes its threshold is told, with its
 TEST_CASE("a switch that changes, one at a steady level and one at a rippled supply are not told", "[regression]") {
   check(pulse, "SW(Vt=2.5)", "", "");
   check("V1 c 0 12", "SW(Vt=2)", "", "");
+  // From one end of the band to the other, and nowhere else: where segments begin and end.
+  check("Vr r 0 1\nE1 c 0 r out 1\nC1 out 0 10n", "SW(Ron=1k Vt=0 Vh=0.25)", "", "");
   check("V1 c 0 SIN(12 0.5 100k)", "SW(Vt=2)", "", "");
   check("V1 a 0 PULSE(0 5 0 1n 1n 5u 10u)\nR1 a c 1k\nC1 c 0 1n", "SW(Vt=2 Vh=0.5)", "", "");
   check("V1 c 0 PWL(0 -1 10u 1)", "SW(Vt=0)", "", "");  // passes, and does not rest

@@ -237,7 +237,8 @@ Vector projected_initial_state(const IslandModel& island, const model::Island& v
   const model::System& s = island.extraction.system;
   const Vector full = model::initial_state(with_initial_values(values));
   Vector x(s.size());
-  x << d.reduce * full, zeta_before_start(s);
+  const Vector zeta = zeta_before_start(s);
+  x << d.start * full + d.start_sources * zeta, zeta;
   if (contradicts(values.network, full, d.store_state * x))
     remarks.push_back(
         {"W-start-projected", fmt::format("the initial values of the part with {} contradict the circuit; they are projected at t = 0 "

@@ -264,7 +264,7 @@ bool ExactSegment::has_digits() {
 /// Begins the space for the signs alone, with a factor that may be rough. True: these are wrong. `is_begun`: the space is as good as any.
 bool ExactSegment::is_wrong_by_signs(Factors& factors, double shift, const Origin& start, bool& is_begun) {
   const Factor* factor = factors.at(shift, start.on, passing_ < 0);
-  if (!factor) return false;
+  if (!factor || has_lost_rank(*factor)) return false;
   space_.begin_roughly(passing_ < 0);
   const auto begun = space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_);
   space_.begin_roughly(false);
@@ -294,6 +294,7 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start, 
     if (!is_begun) {
       const Factor* factor = factors.at(shift, start.on);
       if (!factor) return Opened::singular;
+      if (has_lost_rank(*factor)) return Opened::unresolved;
       if (space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_) != KrylovSpace::Begun::yes)
         return Opened::contradicted;
     }
@@ -313,6 +314,13 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start, 
     if (shift_for(length) == shift) length *= ratio;  // else it has learnt of decays of all rates
   }
   return Opened::unresolved;
+}
+
+/// Whether the position is singular at a step only because that is so short that rounding hides what its ports move in it: what it holds at zero by ε would then not be held.
+bool ExactSegment::has_lost_rank(const Factor& factor) {
+  bool& is_regular = habits_[key_].is_regular;
+  is_regular |= !factor.closing() && !factor.is_rough();
+  return is_regular && factor.closing();
 }
 
 double ExactSegment::step(Factors& factors, const Origin& start, std::vector<double>& z) {

@@ -96,6 +96,8 @@ class ExactSegment {
   /// The first passage of a guard up to `end` (s from the start), else the end of what can be said.
   [[nodiscard]] const Passage& locate(double end);
 
+  /// A guard at y: ports by number, then controls.
+  [[nodiscard]] double guard(int guard, const std::vector<double>& y) const { return linalg::row_times(mode_->guards, guard, y.data()); }
   /// The slope of a guard at y, 1/s.
   [[nodiscard]] double guard_rate(int guard, const std::vector<double>& y) const;
   /// Guards of ports that are at zero at y, to rounding, and fall.
@@ -165,6 +167,7 @@ class ExactSegment {
     std::vector<double> shifts;
     bool refines = false;          ///< solutions are corrected by their residuals
     bool stays_undecided = false;  ///< a guard has no sign at the first length either
+    bool is_regular = false;       ///< it has had a factor without ε
   };
   [[nodiscard]] static std::string key(const Position& on) { return {on.begin(), on.end()}; }
   [[nodiscard]] double shift_for(double length);
@@ -172,6 +175,7 @@ class ExactSegment {
   [[nodiscard]] bool is_undecided_by_habit(double longest);
   [[nodiscard]] Opened build(Factors& factors, const Origin& start);
   [[nodiscard]] Opened build(Factors& factors, const Origin& start, double length, double ratio, int attempts);
+  [[nodiscard]] bool has_lost_rank(const Factor& factor);
   [[nodiscard]] bool resolve();
   [[nodiscard]] int first_dimension() const;
   [[nodiscard]] int expected_vectors() const;

@@ -122,6 +122,8 @@ class PartRun {
  private:
   using Trial = Stepper::Trial;
   static constexpr int last_level = 96;  ///< of the ladder
+  /// Chebyshev points of (0, 1): where the certificate, and what controls do, are looked at inside of a segment, whose ends may both lie near zero.
+  static constexpr std::array<double, 3> inner_points{0.066987298107780677, 0.5, 0.93301270189221932};
 
   // part_run.cpp: steps
   [[nodiscard]] double ladder(int level) const { return h_max_ * std::ldexp(1.0, -level); }
@@ -172,6 +174,8 @@ class PartRun {
   void find_next_gate();
   void watch_controls();
   void watch_rest(WatchedControl& control, int number, double value, double noise);
+  void watch_inside(double tau);
+  [[nodiscard]] double rest_noise(const WatchedControl& control, double unknown) const;
   bool take_gates(double until);
   bool flip_at_rest(const Point& at, Instant& instant);
   bool settle(double h, Instant& instant, Point& first);
@@ -227,6 +231,7 @@ class PartRun {
   [[nodiscard]] bool follow_segment();
   [[nodiscard]] Point point_of_segment(double tau, double time);
   void pass(const ExactSegment::Passage& passage);
+  [[nodiscard]] bool passes_too(std::size_t control, const std::vector<double>& y) const;
   [[nodiscard]] bool is_same_instant(double a, double b) const;
   [[nodiscard]] double resolved_until(double tau);
   [[nodiscard]] bool is_resolved(double from, double to);

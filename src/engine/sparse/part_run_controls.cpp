@@ -26,9 +26,30 @@ void PartRun::watch_controls() {
     const auto number = static_cast<int>(control.port - first);
     const double value = control.value.value(point_.z.data(), point_.w.data());
     if (thresholds_.asks_range(number)) thresholds_.see(number, value);
-    const double size = std::max(control.level_size(), control.largest);
-    if (thresholds_.asks_rest(number))
-      watch_rest(control, number, value, std::max(tolerance::guard_sign * size, control.rounding(unknown)));
+    if (thresholds_.asks_rest(number)) watch_rest(control, number, value, rest_noise(control, unknown));
+  }
+}
+
+double PartRun::rest_noise(const WatchedControl& control, double unknown) const {
+  return std::max(tolerance::guard_sign * std::max(control.level_size(), control.largest), control.rounding(unknown));
+}
+
+/// On the way to τ in a segment, which may go from one threshold to the other or back to the same: a control that leaves the one it was at does not rest there.
+void PartRun::watch_inside(double tau) {
+  if (!thresholds_.asks_anything()) return;
+  const auto first = static_cast<std::size_t>(descriptor_.first_switch());
+  const double unknown = largest(point_.z);
+  for (const double share : inner_points) {
+    const std::vector<double>& y = segment_->at(segment_tau_ + share * (tau - segment_tau_));
+    for (std::size_t i = 0; i < controls_.size(); ++i) {
+      WatchedControl& control = controls_[i];
+      const auto number = static_cast<int>(control.port - first);
+      const double margin = segment_->guard(static_cast<int>(first + i), y);
+      const double value = control.holds(point_.on) ? control.off_level + margin : control.on_level - margin;
+      if (thresholds_.asks_range(number)) thresholds_.see(number, value);
+      if (!std::isnan(control.at_threshold_since) && !thresholds_.threshold_at(number, value, rest_noise(control, unknown)))
+        control.at_threshold_since = std::numeric_limits<double>::quiet_NaN();
+    }
   }
 }
 

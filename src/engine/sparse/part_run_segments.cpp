@@ -14,8 +14,6 @@ namespace pwlsim::engine::sparse {
 namespace {
 
 constexpr std::size_t last_coefficients = 3;
-/// Chebyshev points of (0, 1): where the certificate looks inside of a segment, whose ends may both lie near zero.
-constexpr std::array<double, 3> inner_points{0.066987298107780677, 0.5, 0.93301270189221932};
 
 }  // namespace
 
@@ -104,6 +102,7 @@ bool PartRun::follow_segment() {
     const double inside = segment_tau_ + share * (tau - segment_tau_);
     certificate_.add_point(point_of_segment(inside, segment_->start() + inside), ports_, times);
   }
+  watch_inside(tau);
   const double time = segment_->start() + tau;
   Point next = point_of_segment(tau, is_same_instant(time, limit) ? limit : time);
   certificate_.add_point(next, ports_, times);
@@ -178,14 +177,23 @@ void PartRun::pass(const ExactSegment::Passage& passage) {
   position_before_ = position_ahead_ = point_.on;
   if (passage.guard < 0) return;
   const auto guard = static_cast<std::size_t>(passage.guard), ports = static_cast<std::size_t>(descriptor_.first_switch());
+  const std::vector<double> y = segment_->at(passage.tau);
+  for (std::size_t i = 0; i < controls_.size(); ++i) {
+    const bool passes_with = guard >= ports && controls_[i].passes_with(controls_[guard - ports], point_.on);
+    if (passes_with || passes_too(i, y)) position_ahead_[controls_[i].port] ^= 1;
+  }
   if (guard < ports) {
     point_.on[guard] ^= 1;
     position_ahead_[guard] ^= 1;
-  } else {
-    for (const WatchedControl& control : controls_)
-      if (control.passes_with(controls_[guard - ports], point_.on)) position_ahead_[control.port] ^= 1;
   }
   descriptor_.hold_blocked(position_ahead_);
+}
+
+/// Whether a control that visibly falls passes at the instant of another passage, the state being y there.
+bool PartRun::passes_too(std::size_t control, const std::vector<double>& y) const {
+  const int guard = descriptor_.first_switch() + static_cast<int>(control);
+  const double value = segment_->guard(guard, y), fall = -segment_->guard_rate(guard, y);
+  return std::abs(value) <= fall * break_tolerance_ && fall * request_.stop > controls_[control].noise(value, largest(point_.z));
 }
 
 /// Where from segment_tau_ on the probes are polynomials of degree 15, to rounding.

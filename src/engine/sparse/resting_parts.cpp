@@ -40,9 +40,11 @@ RestingParts::RestingParts(const Descriptor& descriptor)
   for (std::size_t i = 0; i < network.branches.size(); ++i) {
     const auto& b = network.branches[i];
     const bool is_source = std::any_of(b.voltage.begin(), b.voltage.end(), [](const auto& term) { return model::is_independent(term); });
-    edges_.push_back({b.p + 1, b.n + 1, b.voltage.empty(), is_source, -1, {unknowns.branch(static_cast<int>(i))}});
+    const std::vector<int> current{unknowns.branch(static_cast<int>(i))};
+    edges_.push_back({b.p + 1, b.n + 1, b.voltage.empty(), is_source, -1, current, {}, !model::is_independent(b.voltage)});
   }
-  for (const auto& injection : network.injections) edges_.push_back({injection.p + 1, injection.n + 1, false, true, -1, {}});
+  for (const auto& injection : network.injections)
+    edges_.push_back({injection.p + 1, injection.n + 1, false, true, -1, {}, {}, !model::is_independent(injection.current)});
   add_ports();
 }
 
@@ -125,7 +127,7 @@ bool RestingParts::rests(int edge, const Origin& start) {
   for (std::size_t k = 0; k < part_edges_.size(); ++k) {
     const auto i = static_cast<std::size_t>(part_edges_[k]);
     const Edge& at = edges_[i];
-    moves |= (i < descriptor_.states().size() && holds_[i] != 0) || is_source(at);
+    moves |= (i < descriptor_.states().size() && holds_[i] != 0) || is_source(at) || at.is_controlled;
     if (!start.more.empty())
       for (const int current : at.currents) moves |= start.more[static_cast<std::size_t>(current)] != 0.0;
     for (const int other : at.coupled) moves |= !enter(other);

@@ -2,7 +2,7 @@
 /// What is at rest in a position of the ports, exactly: parts of the network that exchange nothing with the rest.
 ///
 /// A conducting ideal diode, a closed ideal switch and a wire make one node of two. Where a part of the network hangs on the rest by one such node alone (or by ground), no current flows through
-/// that node into the part, and no voltage across the part is one of the rest: it is a circuit of its own, as what is behind a diode that conducts to ground. Without sources, and with all its stores
+/// that node into the part, and no voltage across the part is one of the rest: it is a circuit of its own, as what is behind a diode that conducts to ground. Without sources, controlled ones included, and with all its stores
 /// empty, it stays empty: all its voltages are that of the node, and all its currents zero. A solution of the equations with a factor of all of them leaves the rounding of the rest in it, which
 /// ideal ports there would take for signs.
 ///
@@ -38,6 +38,7 @@ class RestingParts {
     int port = -1;
     std::vector<int> currents{};  ///< unknowns that are zero where it is at rest
     std::vector<int> coupled{};   ///< edges of inductors
+    bool is_controlled = false;   ///< by what may lie anywhere, deviations included
   };
   void add_ports();
   [[nodiscard]] bool conducts(const Edge& edge) const { return edge.port < 0 || (*on_)[static_cast<std::size_t>(edge.port)] != 0; }
