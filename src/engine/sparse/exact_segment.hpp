@@ -15,11 +15,15 @@
 
 namespace pwlsim::engine::sparse {
 
+class StateScale;
+
 class ExactSegment {
  public:
   /// All must outlive it. `tolerance`: bound on the estimated error of a segment, of the largest √energy so far.
   ExactSegment(const Descriptor& descriptor, const Sources& sources, const std::vector<WatchedControl>& controls, double tolerance,
                double stop);
+  /// From now on errors count in each state, too, against its size, where the network may amplify what is small. It must outlive the segment.
+  void count_by(const StateScale& scale) { scale_ = &scale; }
   /// From now on signs of currents count beyond so many times their ordinary rounding, and guards that are positive by less than theirs are so until they
   /// are seen to pass.
   void relax(double factor, bool takes_positive) {
@@ -167,6 +171,7 @@ class ExactSegment {
   };
   [[nodiscard]] static std::string key(const Position& on) { return {on.begin(), on.end()}; }
   [[nodiscard]] double shift_for(double length);
+  void count_states(const std::vector<double>& z);
   [[nodiscard]] Opened build(Factors& factors, const Origin& start);
   [[nodiscard]] Opened build(Factors& factors, const Origin& start, double length, double ratio, int attempts);
   [[nodiscard]] bool resolve();
@@ -200,6 +205,7 @@ class ExactSegment {
   const Descriptor& descriptor_;
   const Sources& sources_;
   const std::vector<WatchedControl>& controls_;
+  const StateScale* scale_ = nullptr;  ///< sizes of states; null: their errors count by energy
   double tolerance_, stop_, least_voltage_ = 0.0, jump_voltage_ = 0.0, relaxation_ = 1.0, share_ = 1.0, shift_factor_ = 1.0;
   KrylovSpace space_;
   double start_ = 0.0, length_ = 0.0, peak_ = 0.0, worst_ = 0.0, estimate_ = 0.0, expected_ = 0.0, size_ = 0.0;
