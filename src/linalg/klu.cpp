@@ -67,10 +67,7 @@ constexpr int colamd = 1;
 }  // namespace
 
 struct KluOrdering::Handle {
-  explicit Handle(const SparsePattern& whole) : pattern(whole) {
-    klu_defaults(&common);
-    common.tol = tolerance::least_pivot;
-  }
+  explicit Handle(const SparsePattern& whole) : pattern(whole) { klu_defaults(&common); }
   /// Of KLU's ordering by that method. False: it found none.
   bool find_order(int method);
   void take_order(BlockOrder other) {
@@ -106,6 +103,8 @@ KluOrdering::KluOrdering(SparsePattern pattern) : pattern_(std::move(pattern)), 
 }
 
 KluOrdering::~KluOrdering() = default;
+
+void KluOrdering::keep_digits() { handle_->common.tol = tolerance::least_pivot; }
 
 bool KluOrdering::structurally_regular() const { return handle_->is_regular; }
 

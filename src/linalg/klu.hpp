@@ -24,6 +24,8 @@ class KluOrdering {
   KluOrdering& operator=(const KluOrdering&) = delete;
 
   [[nodiscard]] const SparsePattern& pattern() const { return pattern_; }
+  /// From now on pivots are no smaller than a tenth of what is left of their columns, where KLU's usual a thousandth leaves fewer digits.
+  void keep_digits();
   /// False if no values give a regular matrix; it cannot be factored then.
   [[nodiscard]] bool structurally_regular() const;
   /// Counts of all factors of this ordering.

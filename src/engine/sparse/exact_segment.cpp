@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/arithmetic.hpp"
+#include "engine/sparse/stepper.hpp"
 #include "engine/sparse/tolerances.hpp"
 #include "linalg/factorisations.hpp"
 
@@ -274,10 +275,19 @@ bool ExactSegment::is_wrong_by_signs(Factors& factors, double shift, const Origi
   return has_wrong_signs();
 }
 
+/// By what they have been so far, z included.
+void ExactSegment::count_states(const std::vector<double>& z) {
+  if (scale_ == nullptr) return;
+  std::vector<double> sizes(descriptor_.states().size());
+  for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] = scale_->size(i, z);
+  space_.count_by(std::move(sizes));
+}
+
 /// At lengths that become shorter. Where the usual one is no more than what an event left, so that the vectors of shorter ones are rounding, longer ones serve.
 ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start) {
   const double length = std::max(usual_length(start.on, start.longest), least_share * usual_length(start.on, stop_));
   expected_ = std::min(length, start.longest);
+  count_states(start.z);
   space_.refine_all(refines_ || habits_[key_].refines);
   const Opened opened = build(factors, start, length, 1.0 / shorter, most_cuts);
   if (opened != Opened::unresolved || !(shorter * length <= start.longest)) return opened;

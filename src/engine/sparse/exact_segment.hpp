@@ -15,11 +15,15 @@
 
 namespace pwlsim::engine::sparse {
 
+class StateScale;
+
 class ExactSegment {
  public:
   /// All must outlive it. `tolerance`: bound on the estimated error of a segment, of the largest √energy so far.
   ExactSegment(const Descriptor& descriptor, const Sources& sources, const std::vector<WatchedControl>& controls, double tolerance,
                double stop);
+  /// From now on errors count in each state, too, against its size, where the network may amplify what is small. It must outlive the segment.
+  void count_by(const StateScale& scale) { scale_ = &scale; }
   /// From now on signs of currents count beyond so many times their ordinary rounding, and guards that are positive by less than theirs are so until they
   /// are seen to pass.
   void relax(double factor, bool takes_positive) {
@@ -79,6 +83,9 @@ class ExactSegment {
   /// Guards that begin below zero by rounding and rise; and the one that has just passed zero, where it is below for a small part of the segment: a leak carries what
   /// rounding leaves of a current.
   [[nodiscard]] const std::vector<int>& rising() const { return rising_; }
+
+  /// Whether the position differs from that one in a switch, or in a port that leaves zero: one at zero may be on either side.
+  [[nodiscard]] bool changes_visibly(const Position& before) const;
 
   /// Ports that are off with no voltage across them for good: they may be on as well, and share a current.
   [[nodiscard]] const std::vector<int>& free_ports() const { return free_; }
@@ -173,6 +180,7 @@ class ExactSegment {
   [[nodiscard]] double shift_for(double length);
   [[nodiscard]] double first_length() const;
   [[nodiscard]] bool is_undecided_by_habit(double longest);
+  void count_states(const std::vector<double>& z);
   [[nodiscard]] Opened build(Factors& factors, const Origin& start);
   [[nodiscard]] Opened build(Factors& factors, const Origin& start, double length, double ratio, int attempts);
   [[nodiscard]] bool has_lost_rank(const Factor& factor);
@@ -207,6 +215,7 @@ class ExactSegment {
   const Descriptor& descriptor_;
   const Sources& sources_;
   const std::vector<WatchedControl>& controls_;
+  const StateScale* scale_ = nullptr;  ///< sizes of states; null: their errors count by energy
   double tolerance_, stop_, least_voltage_ = 0.0, jump_voltage_ = 0.0, relaxation_ = 1.0, share_ = 1.0, shift_factor_ = 1.0;
   KrylovSpace space_;
   double start_ = 0.0, length_ = 0.0, peak_ = 0.0, worst_ = 0.0, estimate_ = 0.0, expected_ = 0.0, size_ = 0.0;

@@ -246,6 +246,17 @@ void ExactSegment::judge_start() {
   }
 }
 
+bool ExactSegment::changes_visibly(const Position& before) const {
+  const auto ports = static_cast<std::size_t>(descriptor_.first_switch());
+  if (!std::equal(on_.begin() + static_cast<std::ptrdiff_t>(ports), on_.end(), before.begin() + static_cast<std::ptrdiff_t>(ports)))
+    return true;
+  for (std::size_t i = 0; i < segment_.rows.size(); ++i) {
+    const auto row = static_cast<std::size_t>(segment_.rows[i]);
+    if (row < ports && on_[row] != before[row] && segment_.departures[i].order >= 0) return true;
+  }
+  return false;
+}
+
 /// Of a guard's value at y.
 double ExactSegment::rounding_of(int row, const std::vector<double>& y) const {
   const model::Mode& m = *mode_;

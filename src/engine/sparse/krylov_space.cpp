@@ -113,7 +113,8 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   zeta_weight_ = 0.0;
   measure(right_, zeta, x.data());
   size_ = x.norm();
-  zeta_weight_ = std::max(size, size_) / source_weight_.cwiseProduct(zeta).norm();
+  largest_size_ = std::max(size, size_);
+  zeta_weight_ = largest_size_ / source_weight_.cwiseProduct(zeta).norm();
   if (!(zeta_weight_ > 0.0) || zeta.isZero(0.0)) zeta_weight_ = 1.0;
   measure(right_, zeta, x.data());
   norm_ = x.norm();
@@ -238,9 +239,23 @@ double KrylovSpace::turning(double least) const {
 
 double KrylovSpace::defect_at_start() const { return h_ * std::abs(last_row_.dot(flow_.a() * first_) - shift_ * last_row_.dot(first_)); }
 
+/// Of the error, which is along z_{m+1}, where that is a larger part of some state's size than of the largest √energy: how many times. Where the space is full there is no such vector.
+double KrylovSpace::weight_of_error() const {
+  double weight = 1.0;
+  if (!has_next_) return weight;
+  for (std::size_t i = 0; i < state_sizes_.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const double start = norm_ * std::abs(measured_(row, 0)), most = std::max(state_weight_[i] * state_sizes_[i], start);
+    if (most > 0.0 && descriptor_.states()[i].flux.empty())
+      weight = std::max(weight, std::abs(measured_(row, dimension_)) / most * largest_size_);
+  }
+  return std::min(weight, tolerance::most_weight_of_error);
+}
+
 const std::vector<KrylovSpace::Checkpoint>& KrylovSpace::estimate(double length) {
   const int m = dimension_;
   estimate_.clear();
+  const double weight = weight_of_error() * h_;
   const double step = std::exp2(std::ceil(std::log2(length / checkpoints)));  // whose powers the flow keeps
   Vector y = first_;
   work_.resize(2 * m);
@@ -258,7 +273,7 @@ const std::vector<KrylovSpace::Checkpoint>& KrylovSpace::estimate(double length)
     integral += 0.5 * (slope_before + slope) * h;
     const double push_before = std::exchange(push, delta.dot(y.cwiseAbs()));
     rounding += 0.5 * (push_before + push) * h;
-    const double error = h_ * std::max(at_start, std::abs(last_row_.dot(y)) + share_of_integral * integral);
+    const double error = weight * std::max(at_start, std::abs(last_row_.dot(y)) + share_of_integral * integral);
     estimate_.push_back({reached, y.norm() <= most_growth * norm_ && std::isfinite(error) ? error : INFINITY, rounding});
   }
   return estimate_;

@@ -31,6 +31,8 @@ class KrylovSpace {
   /// `stop`: end of the run, s. Sources count by what they may reach until then.
   KrylovSpace(const Descriptor& descriptor, const model::Exosystem& exosystem, double stop = model::forever);
 
+  /// From now on errors count where they are large in a state, too, against its size, in volts: what an amplifier reads may be in a store with next to no energy.
+  void count_by(std::vector<double> sizes) { state_sizes_ = std::move(sizes); }
   /// Unknowns of that size, in volts, are not small: where all are smaller a position may hold at zero what is rounding.
   void note_least_voltage(double least) { least_ = least; }
   /// The point to start from: E z + more are charges and fluxes; z itself need not satisfy the position.
@@ -144,6 +146,7 @@ class KrylovSpace {
   void close(const linalg::Vector& w, double one, std::vector<double>& r) const;
   [[nodiscard]] double source_part(const Form& form, const linalg::Vector& w, double one) const;
   [[nodiscard]] bool contradicts(const std::vector<double>& z, const linalg::Vector& w, double one) const;
+  [[nodiscard]] double weight_of_error() const;
   void measure(const std::vector<double>& z, const linalg::Vector& zeta, double* x) const;
   [[nodiscard]] double largest_conducted(const std::vector<double>& z) const;
   [[nodiscard]] double rounding_of_states(const std::vector<double>& z);
@@ -174,11 +177,13 @@ class KrylovSpace {
   double coupling_ = 1.0;
   linalg::SparseMatrix conduction_of_nodes_;  ///< the rows of nodes of G, as columns
   std::vector<double> state_weight_;
+  std::vector<double> state_sizes_;                             ///< empty: errors count by their energy alone
   linalg::Vector source_weight_;                                ///< 1 over what a state of sources is at most
   double weight_of_voltages_ = 0.0, weight_of_currents_ = 0.0;  ///< root of the sum of their squares
   double weight_of_rates_ = 0.0;                                ///< the same of what a volt across an inductor moves in a second
   const Factor* factor_ = nullptr;
   double least_ = 0.0, shift_ = 0.0, zeta_weight_ = 1.0, norm_ = 0.0, size_ = 0.0, h_ = 0.0, rounding_ = 0.0;
+  double largest_size_ = 0.0;  ///< √energy that counts
   Position on_;
   int dimension_ = 0;
   bool has_next_ = false;      ///< z_{m+1} is a vector

@@ -46,7 +46,7 @@ bool PartRun::begin_segment() {
   segment_tau_ = 0.0;
   Point next = point_of_segment(0.0, time);
   instant.jump |= moves(states, z, next.z);
-  instant.mode_change |= next.on != position_before_;
+  instant.mode_change |= segment_->changes_visibly(position_before_);
   if (instant.jump && request_.jumps && jump_details_.size() < most_jumps_kept && !jump_steps_.first.z.empty()) {
     std::vector<double> after;
     descriptor_.measure_states(next.z.data(), after);

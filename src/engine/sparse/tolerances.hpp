@@ -255,6 +255,9 @@ inline constexpr double start_rounding = 1e-8;
 /// Of: the largest √energy.
 /// Why: an estimate that is below it and does not shrink is rounding of the vectors.
 inline constexpr double converged_rounding = 1e-9;
+/// Of: an error's part of the largest √energy, as its part of a state's size.
+/// Why: the tolerance of a segment over five units of rounding: no vector makes an error smaller than that.
+inline constexpr double most_weight_of_error = 1e3;
 /// Of: the largest value of a signal on a piece.
 /// Why: as `known_digits`: a polynomial has no more digits than the segment.
 inline constexpr double piece_resolution = 1e-10;
@@ -269,7 +272,7 @@ inline constexpr double least_direction = 1e-15;
 inline constexpr double little_direction = 1e-13;
 /// Of: one, as the rounding of T z of a vector.
 /// Why: a segment's tolerance is of that size: a solution that is worse is corrected by its residual.
-inline constexpr double rough_vector = 1e-11;
+inline constexpr double rough_vector = 1e-10;
 /// Of: the √energy that counts.
 /// Why: a correction this small is the last.
 inline constexpr double refined_solution = 1e-15;
