@@ -24,7 +24,7 @@ class KluOrdering {
   KluOrdering& operator=(const KluOrdering&) = delete;
 
   [[nodiscard]] const SparsePattern& pattern() const { return pattern_; }
-  /// From now on pivots are no smaller than a tenth of what is left of their columns, where KLU's usual a thousandth leaves fewer digits.
+  /// From now on pivots are the largest entries that are left of their columns (partial pivoting): on the ordering's diagonal, where KLU has them, they may be a thousand times smaller, which costs digits.
   void keep_digits();
   /// False if no values give a regular matrix; it cannot be factored then.
   [[nodiscard]] bool structurally_regular() const;

@@ -158,7 +158,6 @@ void KrylovSpace::apply(int j) {
   zeta_changes_.col(j) = change;
 }
 
-/// The next vector. Where a solution has lost digits, this one and those after it are corrected by their residuals.
 void KrylovSpace::add_vector() {
   const int j = dimension_;
   reserve(j + 2);
@@ -172,12 +171,6 @@ void KrylovSpace::add_vector() {
   const double nothing = std::max(tolerance::new_direction * size, tolerance::least_direction);
   const bool adds_nothing = !(h > nothing);
   delta_[j] = rounding_of(right_, adds_nothing ? tolerance::little_direction : std::min(h, tolerance::little_direction));
-  if (delta_[j] > tolerance::rough_vector && !refines_ && can_refine()) {
-    refines_ = true;
-    h_matrix_.conservativeResize(j + 1, j);
-    dimension_ = j;
-    return add_vector();
-  }
   full_ = adds_nothing || !(h > delta_[j]);
   has_next_ = !full_;
   if (full_) return;

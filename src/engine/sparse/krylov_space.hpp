@@ -159,7 +159,6 @@ class KrylovSpace {
   void find_residual(const std::vector<double>& d);
   void find_wide_residual(const std::vector<double>& d);
   void refine(std::vector<double>& d, double counts);
-  [[nodiscard]] bool can_refine() const { return !factor_->closing() && factor_->ties().empty(); }
   [[nodiscard]] double rounding_of(const std::vector<double>& d, double counts);
   [[nodiscard]] double rounding_of_sums(const std::vector<double>& z) const;
   void reserve(int columns);

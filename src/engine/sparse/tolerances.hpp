@@ -270,9 +270,6 @@ inline constexpr double least_direction = 1e-15;
 /// Of: z, for the rounding of T z.
 /// Why: 450 units of rounding: less is not looked at more closely.
 inline constexpr double little_direction = 1e-13;
-/// Of: one, as the rounding of T z of a vector.
-/// Why: others have eleven digits and more: one that has lost so many is corrected by its residual.
-inline constexpr double rough_vector = 1e-10;
 /// Of: the √energy that counts.
 /// Why: a correction this small is the last.
 inline constexpr double refined_solution = 1e-15;
