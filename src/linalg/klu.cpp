@@ -104,7 +104,7 @@ KluOrdering::KluOrdering(SparsePattern pattern) : pattern_(std::move(pattern)), 
 
 KluOrdering::~KluOrdering() = default;
 
-void KluOrdering::keep_digits() { handle_->common.tol = tolerance::least_pivot; }
+void KluOrdering::pivot_on_largest() { handle_->common.tol = 1.0; }
 
 bool KluOrdering::structurally_regular() const { return handle_->is_regular; }
 

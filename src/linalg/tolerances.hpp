@@ -27,9 +27,6 @@ inline constexpr double series_rounding = 2.3e-16;
 /// Why: below the rounding of extended precision: no further step changes the point.
 inline constexpr long double last_root_step = 1e-20L;
 
-/// Of: the largest entry of a column that is left to eliminate, as the entry on the diagonal.
-/// Why: the largest entry is the pivot: a smaller one lets others grow, and a few of them cost digits; KLU's usual 10^-3 costs six in bridges with leaks of 10^11 ohms, and saves no time.
-inline constexpr double least_pivot = 1.0;
 /// Of: the largest entry of a column of U, for the largest entry of that column of the matrix.
 /// Why: below it the kept pivots have let entries grow by 10^4, and four digits are lost.
 inline constexpr double least_growth = 1e-4;

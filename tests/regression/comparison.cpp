@@ -147,6 +147,14 @@ double worst_error(const DeckRun& run, const Reference& reference) {
   return worst;
 }
 
+BothRuns run_both(const std::string& deck) {
+  BothRuns runs{run_text(deck), run_text_segments(deck)};
+  REQUIRE(runs.modes.answer.outcome == engine::Outcome::completed);
+  INFO(runs.segments.answer.id << " " << runs.segments.answer.message);
+  REQUIRE(runs.segments.answer.outcome == engine::Outcome::completed);
+  return runs;
+}
+
 double largest_difference(const DeckRun& one, const DeckRun& other, double least) {
   REQUIRE(one.rows.size() == other.rows.size());
   if (one.rows.empty()) return 0.0;

@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "regression/deck_run.hpp"
+
 namespace pwlsim::test {
 
-struct DeckRun;
 struct Reference;
 
 /// Decks of a folder, by name, in order.
@@ -24,6 +25,12 @@ void compare_with_reference(const std::filesystem::path& deck, const Bounds& bou
 
 /// The worst error over the signals and all rows, of each signal's largest value, but those at an instant that the reference names.
 [[nodiscard]] double worst_error(const DeckRun& run, const Reference& reference);
+
+/// A deck by dense modes and by Krylov segments, which share no equations. Requires that both complete.
+struct BothRuns {
+  DeckRun modes, segments;
+};
+[[nodiscard]] BothRuns run_both(const std::string& deck);
 
 /// The largest difference of two runs' rows, of each signal's largest value in the first, which counts as `least` at least. Requires as many rows of both.
 [[nodiscard]] double largest_difference(const DeckRun& one, const DeckRun& other, double least = 0.0);

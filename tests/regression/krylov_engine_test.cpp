@@ -66,12 +66,8 @@ TEST_CASE("time counts by what it reaches within a run by Krylov segments", "[re
   const std::string deck =
       "ramp\nB1 0 x I={time}\nC1 x 0 1n\nR1 x y 1k\nL1 y z 1m\nR2 z 0 100\nD1 x w DX\nR3 w 0 10\n.model DX D\n.save v(x) v(z) i(D1)\n"
       ".tran 1n 100n uic\n";
-  const DeckRun dense = run_text(deck), segments = run_text_segments(deck);
-  REQUIRE(dense.answer.outcome == pwlsim::engine::Outcome::completed);
-  INFO(segments.answer.id << " " << segments.answer.message);
-  REQUIRE(segments.answer.outcome == pwlsim::engine::Outcome::completed);
-  REQUIRE(segments.rows.size() == dense.rows.size());
-  CHECK(largest_difference(dense, segments) <= 1e-9);
+  const auto [modes, segments] = run_both(deck);
+  CHECK(largest_difference(modes, segments) <= 1e-9);
 }
 
 // A buck under peak-current control whose clock sets its latch at the instant at which the run ends: in what was left of it, 0 s, signs were rounding (E-singular). The last row is of what follows: the
@@ -115,21 +111,15 @@ TEST_CASE("what an amplifier reads has the digits of its own size by Krylov segm
       ".model SM SW(Ron=10m Roff=10Meg Vt=0.5)\n.model DM D(Ron=10m Roff=10Meg Vfwd=0.4)\nR2 out fb 10k\nC3 out x 1n\nR3 x fb 1k\n"
       "R4 fb 0 10k\nVref ref 0 2.5\nE1 ctl 0 VALUE={limit(1e4*(V(ref)-V(fb)),0,1.8)}\nC4 ctl y 2.2n\nR5 y fb 10k\nC5 ctl fb 100p\n"
       "V3 saw 0 PULSE(0 2 0 1.99u 0.01u 0 2u)\nB1 g 0 V=if(V(ctl)>V(saw),1,0)\n.tran 1u 200u uic\n";
-  const DeckRun dense = run_text(deck), segments = run_text_segments(deck);
-  REQUIRE(dense.answer.outcome == pwlsim::engine::Outcome::completed);
-  INFO(segments.answer.id << " " << segments.answer.message);
-  REQUIRE(segments.answer.outcome == pwlsim::engine::Outcome::completed);
-  REQUIRE(segments.rows.size() == dense.rows.size());
-  CHECK(largest_difference(dense, segments) <= 1e-9);
+  const auto [modes, segments] = run_both(deck);
+  CHECK(largest_difference(modes, segments) <= 1e-9);
 }
 
 // Between pulses the port of abs is at zero on either side, to rounding of the source: 398 more events were told.
 TEST_CASE("a port that changes sides at zero is no event by Krylov segments", "[regression]") {
   const std::string deck = "abs of a pulse\nV1 a 0 PULSE(0 5 0 1n 1n 5u 10u)\nB1 x 0 V=abs(V(a))*2\n.save v(x)\n.tran 1m 10m\n";
-  const DeckRun dense = run_text(deck), segments = run_text_segments(deck);
-  REQUIRE(dense.answer.outcome == pwlsim::engine::Outcome::completed);
-  REQUIRE(segments.answer.outcome == pwlsim::engine::Outcome::completed);
-  CHECK(segments.answer.statistics.events <= dense.answer.statistics.events);
+  const auto [modes, segments] = run_both(deck);
+  CHECK(segments.answer.statistics.events <= modes.answer.statistics.events);
 }
 
 // A relay that drives a tank: in the position in which it would hold v(o) at zero, two integrations away, steps of 10⁻¹⁵ s move v(o) by less than rounding of the matrix, which made it singular; it was
@@ -137,12 +127,9 @@ TEST_CASE("a port that changes sides at zero is no event by Krylov segments", "[
 TEST_CASE("a position that a constraint two integrations away decides is no shorter than its digits by Krylov segments", "[regression]") {
   const std::string deck =
       "relay\nA1 o x REL\n.model REL relay(level=-2)\nL1 x n 1.25m\nR1 n o 10\nC1 o 0 6.25u ic=6.474\n.save v(o) i(L1)\n.tran 1u 1m uic\n";
-  const DeckRun dense = run_text(deck), segments = run_text_segments(deck);
-  REQUIRE(dense.answer.outcome == pwlsim::engine::Outcome::completed);
-  INFO(segments.answer.id << " " << segments.answer.message);
-  REQUIRE(segments.answer.outcome == pwlsim::engine::Outcome::completed);
-  CHECK(segments.answer.statistics.events == dense.answer.statistics.events);
-  CHECK(largest_difference(dense, segments) <= 1e-9);
+  const auto [modes, segments] = run_both(deck);
+  CHECK(segments.answer.statistics.events == modes.answer.statistics.events);
+  CHECK(largest_difference(modes, segments) <= 1e-9);
 }
 
 // All of what is behind the block's output is empty, and ground alone ties it to the rest, but the block drives it: v(c) = 1 − e^(−t/RC). It stayed at zero.

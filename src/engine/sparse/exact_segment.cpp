@@ -416,6 +416,12 @@ const std::vector<double>& ExactSegment::at(double tau) {
   return y_;
 }
 
+std::vector<double> ExactSegment::slope(const std::vector<double>& y) const {
+  std::vector<double> slope(y.size());
+  linalg::multiply(space_.flow().a(), y.data(), slope.data());
+  return slope;
+}
+
 double ExactSegment::guard_rate(int guard, const std::vector<double>& y) const {
   const Eigen::Map<const linalg::Vector> at(y.data(), static_cast<Eigen::Index>(y.size()));
   return mode_->guards.row(guard).dot(space_.flow().a() * at);

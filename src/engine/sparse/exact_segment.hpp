@@ -103,8 +103,10 @@ class ExactSegment {
   /// The first passage of a guard up to `end` (s from the start), else the end of what can be said.
   [[nodiscard]] const Passage& locate(double end);
 
-  /// A guard at y: ports by number, then controls.
+  /// A guard at y: ports by number, then controls. Of a slope of y: its own, 1/s.
   [[nodiscard]] double guard(int guard, const std::vector<double>& y) const { return linalg::row_times(mode_->guards, guard, y.data()); }
+  /// y' at y, 1/s.
+  [[nodiscard]] std::vector<double> slope(const std::vector<double>& y) const;
   /// The slope of a guard at y, 1/s.
   [[nodiscard]] double guard_rate(int guard, const std::vector<double>& y) const;
   /// Guards of ports that are at zero at y, to rounding, and fall.

@@ -72,10 +72,10 @@ class Factors {
  public:
   /// `reltol`: of the run; ε is a thousandth of it, within 1e-10 and 1e-7.
   Factors(const model::Network& network, const Descriptor& descriptor, double reltol = 1e-5);
-  /// From now on a position has a factor of its own, but where digits do not count: solutions by columns of another's are right to the largest unknown only.
+  /// From now on a position has a factor of its own with the largest pivots, but where digits do not count: solutions by columns of another's are right to the largest unknown only.
   void keep_digits() {
     keeps_digits_ = true;
-    ordering_.keep_digits();
+    ordering_.pivot_on_largest();
   }
 
   /// Null where the matrix is singular. Valid until the next call. Shifts that agree to 1e-11 count as one.

@@ -231,7 +231,7 @@ class PartRun {
   [[nodiscard]] bool follow_segment();
   [[nodiscard]] Point point_of_segment(double tau, double time);
   void pass(const ExactSegment::Passage& passage);
-  [[nodiscard]] bool passes_too(std::size_t control, const std::vector<double>& y) const;
+  [[nodiscard]] bool passes_too(std::size_t control, const std::vector<double>& y, const std::vector<double>& slope) const;
   [[nodiscard]] bool is_same_instant(double a, double b) const;
   [[nodiscard]] double resolved_until(double tau);
   [[nodiscard]] bool is_resolved(double from, double to);

@@ -177,10 +177,10 @@ void PartRun::pass(const ExactSegment::Passage& passage) {
   position_before_ = position_ahead_ = point_.on;
   if (passage.guard < 0) return;
   const auto guard = static_cast<std::size_t>(passage.guard), ports = static_cast<std::size_t>(descriptor_.first_switch());
-  const std::vector<double> y = segment_->at(passage.tau);
+  const std::vector<double> y = segment_->at(passage.tau), slope = segment_->slope(y);
   for (std::size_t i = 0; i < controls_.size(); ++i) {
     const bool passes_with = guard >= ports && controls_[i].passes_with(controls_[guard - ports], point_.on);
-    if (passes_with || passes_too(i, y)) position_ahead_[controls_[i].port] ^= 1;
+    if (passes_with || passes_too(i, y, slope)) position_ahead_[controls_[i].port] ^= 1;
   }
   if (guard < ports) {
     point_.on[guard] ^= 1;
@@ -190,9 +190,9 @@ void PartRun::pass(const ExactSegment::Passage& passage) {
 }
 
 /// Whether a control that visibly falls passes at the instant of another passage, the state being y there.
-bool PartRun::passes_too(std::size_t control, const std::vector<double>& y) const {
+bool PartRun::passes_too(std::size_t control, const std::vector<double>& y, const std::vector<double>& slope) const {
   const int guard = descriptor_.first_switch() + static_cast<int>(control);
-  const double value = segment_->guard(guard, y), fall = -segment_->guard_rate(guard, y);
+  const double value = segment_->guard(guard, y), fall = -segment_->guard(guard, slope);
   return std::abs(value) <= fall * break_tolerance_ && fall * request_.stop > controls_[control].noise(value, largest(point_.z));
 }
 
