@@ -85,7 +85,7 @@ class ExactSegment {
   [[nodiscard]] const std::vector<int>& rising() const { return rising_; }
 
   /// Whether the position differs from that one in a switch, or in a port that leaves zero: one at zero may be on either side.
-  [[nodiscard]] bool changes_visibly(const Position& before) const;
+  [[nodiscard]] bool changes_visibly(const Position& before);
 
   /// Ports that are off with no voltage across them for good: they may be on as well, and share a current.
   [[nodiscard]] const std::vector<int>& free_ports() const { return free_; }

@@ -246,15 +246,20 @@ void ExactSegment::judge_start() {
   }
 }
 
-bool ExactSegment::changes_visibly(const Position& before) const {
+bool ExactSegment::changes_visibly(const Position& before) {
   const auto ports = static_cast<std::size_t>(descriptor_.first_switch());
   if (!std::equal(on_.begin() + static_cast<std::ptrdiff_t>(ports), on_.end(), before.begin() + static_cast<std::ptrdiff_t>(ports)))
     return true;
+  std::vector<int> at_zero;
   for (std::size_t i = 0; i < segment_.rows.size(); ++i) {
     const auto row = static_cast<std::size_t>(segment_.rows[i]);
-    if (row < ports && on_[row] != before[row] && segment_.departures[i].order >= 0) return true;
+    if (row >= ports || on_[row] == before[row]) continue;
+    if (segment_.departures[i].order >= 0) return true;
+    at_zero.push_back(segment_.rows[i]);
   }
-  return false;
+  if (at_zero.empty()) return false;
+  const std::vector<double>& later = at(std::min(length_, expected_));  // a derivative at the start may be below the rounding of others
+  return std::any_of(at_zero.begin(), at_zero.end(), [&](int row) { return std::abs(guard(row, later)) > rounding_of(row, later); });
 }
 
 /// Of a guard's value at y.
