@@ -133,10 +133,10 @@ WideMatrix leading_columns(WideMatrix m, Index count) {
   return m.leftCols(count);
 }
 
-/// Orthonormal basis of what repeated application of S turns everything to.
-WideMatrix dominant_subspace(const WideMatrix& s, Index dimension) {
+/// Orthonormal basis of what repeated application of S turns everything to. `start`: S on vectors that have no part in what S², or a higher power of it, takes to zero.
+WideMatrix dominant_subspace(const WideMatrix& s, WideMatrix start, Index dimension) {
   if (dimension == 0) return WideMatrix(s.rows(), 0);
-  WideMatrix basis = orthonormal(leading_columns(s, dimension));
+  WideMatrix basis = orthonormal(leading_columns(std::move(start), dimension));
   Wide last = INFINITY;
   for (int k = 0; k < most_iterations; ++k) {
     WideMatrix next = orthonormal(product(s, basis));
@@ -174,22 +174,24 @@ struct Bases {
 };
 
 /// By iteration for the smaller of the slow and the fast subspaces. What is fast in S is slow in S⁻¹ = σ − A_J, whose dominant columns and rows have all their digits however
-/// few its others have. `fast_is_dominant`: no fast motion takes another's digits there.
-Bases find_bases(const WideMatrix& s, Index fast, bool fast_is_dominant) {
+/// few its others have. `fast_is_dominant`: no fast motion takes another's digits there. `jump`: onto what the mode does not hold at zero (empty: it holds nothing). What it holds
+/// may be large in S, and is zero in a power of it: a start there would leave a column of rounding, in which only what is fast may be.
+Bases find_bases(const WideMatrix& s, Index fast, bool fast_is_dominant, const WideMatrix& jump) {
   const Index slow = s.rows() - fast;
   Bases bases;
   if (fast_is_dominant && fast < slow) {
     if (const WideElimination elimination(s, 0); elimination.rank() == s.rows()) {
       const WideMatrix inverse = elimination.inverse();
-      bases.off_rows = dominant_subspace(inverse, fast);
-      bases.off_slow = dominant_subspace(inverse.transpose(), fast);
+      bases.off_rows = dominant_subspace(inverse, inverse, fast);
+      bases.off_slow = dominant_subspace(inverse.transpose(), inverse.transpose(), fast);
       bases.slow = complement(bases.off_slow);
       bases.of_rows = complement(bases.off_rows);
       return bases;
     }
   }
-  bases.slow = dominant_subspace(s, slow);
-  bases.of_rows = dominant_subspace(s.transpose(), slow);
+  const WideMatrix start = jump.size() > 0 ? product(s, jump) : s;
+  bases.slow = dominant_subspace(s, start, slow);
+  bases.of_rows = dominant_subspace(s.transpose(), (jump.size() > 0 ? product(jump, s) : s).transpose(), slow);
   bases.off_slow = complement(bases.slow);
   bases.off_rows = complement(bases.of_rows);
   return bases;
@@ -249,7 +251,8 @@ class Splitter {
                         resolvent_))
       return std::nullopt;
     const bool is_dominant = !whole_.constrained && cut_.fastest_rate <= most_spread * cut_.fast_rate;  // a jump has no rate
-    Bases bases = find_bases(resolvent_.states, fast_, is_dominant);
+    const WideMatrix jump = whole_.constrained ? jump_of_whole() : WideMatrix();
+    Bases bases = find_bases(resolvent_.states, fast_, is_dominant, jump);
     if (!motion_.take_subspaces(std::move(bases.slow), std::move(bases.of_rows))) return std::nullopt;
     off_ = bases.off_slow.transpose();
     f_ = std::move(bases.off_rows);
@@ -265,6 +268,7 @@ class Splitter {
   void take_motion();
   bool separate_decays();
   [[nodiscard]] Matrix rate_of_whole() const;
+  [[nodiscard]] WideMatrix jump_of_whole() const { return whole_.projector.topLeftCorner(n_, n_).cast<Wide>(); }
   void align_with_jump();
 
   const System& system_;
@@ -355,7 +359,7 @@ Matrix Splitter::rate_of_whole() const {
 /// A basis of the fast subspace whose first vectors are those that the mode's jump takes to zero.
 void Splitter::align_with_jump() {
   const Index jumps = n_ - whole_.n1;
-  const WideMatrix after = product(whole_.projector.topLeftCorner(n_, n_).cast<Wide>(), f_);
+  const WideMatrix after = product(jump_of_whole(), f_);
   WideMatrix aligned(n_, fast_);
   aligned.leftCols(jumps) = leading_columns(f_ - after, jumps);
   aligned.rightCols(cut_.fast) = leading_columns(after, cut_.fast);
