@@ -154,3 +154,18 @@ TEST_CASE("controls that pass at one instant change together by Krylov segments"
   REQUIRE(run.answer.outcome == pwlsim::engine::Outcome::completed);
   for (const auto& row : run.rows) CHECK(row[1] == Approx(0.0).margin(1e-9));
 }
+
+// A thyristor without a gate pulse keeps conducting while it carries a current: (12 − v(k))/3.22 by Ohm's law, as R1 and R2 are in series with it. Where the transistor of the boost cell beside it closed, the
+// first position looked at had the cell's diode on a wrong side, and the thyristor's current as well: its latch was opened, and i(V2) stayed at zero, 0.4 of the current of D3 off, without an error.
+TEST_CASE("a latch is not opened by what flows while a diode is on a wrong side by Krylov segments", "[regression]") {
+  const std::string deck =
+      "latch\nV1 a 0 12\nVg g 0 SIN(0.35 1 8)\nL1 a x 1.927\nX1 x g 0 mosfet ron=20m\nD1 x o DI\nC1 o 0 0.2457\nV2 s 0 PULSE(0 12 0.0125)\n"
+      "Vt t m PULSE(0 1 0.01862 0 0 0.125)\nR1 s r 2.22\nX2 r m t thyristor\nR2 m k 1\nC2 k 0 0.01216\nR3 k 0 28.27\nD2 o p DI\nD3 p k DF\n"
+      ".save v(k) i(V2) i(D3)\n.tran 4.739m 1\n.model DF D(Ron=20m Vfwd=0.7)\n.model DI D\n";
+  const auto [modes, segments] = run_both(deck);
+  CHECK(segments.answer.statistics.events == modes.answer.statistics.events);
+  CHECK(largest_difference(modes, segments) <= 1e-9);
+  const std::vector<double>* row = segments.row_at(0.37912);
+  REQUIRE(row != nullptr);
+  CHECK((*row)[2] == Approx(-(12.0 - (*row)[1]) / 3.22).epsilon(1e-9));
+}
