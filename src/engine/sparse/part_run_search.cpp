@@ -150,13 +150,18 @@ bool PartRun::settle_ties(const std::vector<double>& z, const Position& on, int 
   return false;
 }
 
-/// Ports whose guards depart downwards change sides, a few rounds.
+/// Ports whose guards depart downwards change sides, a few rounds: diodes first, as what a control reads where they are on a wrong side says nothing, and a switch that it would open,
+/// a thyristor's latch, may stay open.
 bool PartRun::flip_negative(Position on, int rounds) {
   const auto ports = descriptor_.first_switch();
   std::vector<Position> seen{on};
   for (int round = 0; round < rounds; ++round) {
-    for (const int guard : segment_->negative())
-      on[guard < ports ? static_cast<std::size_t>(guard) : controls_[static_cast<std::size_t>(guard - ports)].port] ^= 1;
+    const std::vector<int>& negative = segment_->negative();
+    const bool has_diode = std::any_of(negative.begin(), negative.end(), [&](int guard) { return guard < ports; });
+    for (const int guard : negative) {
+      if (guard < ports) on[static_cast<std::size_t>(guard)] ^= 1;
+      if (guard >= ports && !has_diode) on[controls_[static_cast<std::size_t>(guard - ports)].port] ^= 1;
+    }
     descriptor_.hold_blocked(on);
     if (std::find(seen.begin(), seen.end(), on) != seen.end()) return false;
     seen.push_back(on);
