@@ -28,6 +28,8 @@ class Factor {
   [[nodiscard]] const std::optional<Descriptor::Closing>& closing() const { return closing_; }
   /// Ports whose closing rows are tied.
   [[nodiscard]] const std::vector<int>& ties() const { return ties_; }
+  /// Its matrix is that of the position as it stands: no closing row has ε, or is tied.
+  [[nodiscard]] bool is_as_it_stands() const { return !closing_ && ties_.empty(); }
   /// The largest admittance that meets in a node, times R0; only where there are ties.
   [[nodiscard]] double stiffest() const { return stiffest_; }
   /// Good for signs, but not to the last digits.

@@ -44,7 +44,7 @@ void KrylovSpace::solve(std::vector<double>& r, const Vector& w, double one) {
   close(w, one, r);
   given_ = r;
   factor_->solve(r);
-  if (refines_ && !factor_->closing() && factor_->ties().empty()) {
+  if (refines_ && factor_->is_as_it_stands()) {
     find_residual(r);
     factor_->solve(product_);
     for (std::size_t i = 0; i < r.size(); ++i) r[i] += product_[i];
@@ -106,7 +106,7 @@ void KrylovSpace::share_out(std::vector<double>& z, const Vector& w, double one)
 
 /// Whether what a position holds at zero is not.
 bool KrylovSpace::contradicts(const std::vector<double>& z, const Vector& w, double one) const {
-  if (!factor_->closing() && factor_->ties().empty()) return false;
+  if (factor_->is_as_it_stands()) return false;
   const double size = std::max(least_, largest(z));
   for (std::size_t i = 0; i < on_.size(); ++i) {
     const DescriptorPort& port = descriptor_.ports()[i];
@@ -191,7 +191,7 @@ void KrylovSpace::find_wide_residual(const std::vector<double>& d) {
 /// Corrects a solution by its residual where the currents that charge capacitors leave others no digits: impulses of voltage of a floating part may be that large.
 void KrylovSpace::refine(std::vector<double>& d, double counts) {
   is_refined_ = true;
-  if (factor_->closing() || !factor_->ties().empty() || !(weight_of_currents_ > 0.0)) return;
+  if (!factor_->is_as_it_stands() || !(weight_of_currents_ > 0.0)) return;
   sizes_.resize(d.size());
   descriptor_.memory_sizes(d.data(), sizes_.data());
   const double charging = shift_ * largest(std::span(sizes_).first(static_cast<std::size_t>(descriptor_.nodes())));
@@ -216,7 +216,7 @@ void KrylovSpace::refine(std::vector<double>& d, double counts) {
 /// impulses of voltage, of which none reaches a capacitor.
 double KrylovSpace::rounding_of(const std::vector<double>& d, double counts) {
   const double bound = rounding_of_states(d);
-  if (!(bound > counts) || factor_->closing() || !factor_->ties().empty()) return bound;
+  if (!(bound > counts) || !factor_->is_as_it_stands()) return bound;
   find_residual(d);
   sizes_.resize(d.size());
   linalg::multiply_absolute(descriptor_.pattern(), values_, d.data(), sizes_.data());

@@ -159,8 +159,8 @@ bool PartRun::flip_negative(Position on, int rounds) {
     const std::vector<int>& negative = segment_->negative();
     const bool has_diode = std::any_of(negative.begin(), negative.end(), [&](int guard) { return guard < ports; });
     for (const int guard : negative) {
-      if (guard < ports) on[static_cast<std::size_t>(guard)] ^= 1;
-      if (guard >= ports && !has_diode) on[controls_[static_cast<std::size_t>(guard - ports)].port] ^= 1;
+      if (guard >= ports && has_diode) continue;
+      on[guard < ports ? static_cast<std::size_t>(guard) : controls_[static_cast<std::size_t>(guard - ports)].port] ^= 1;
     }
     descriptor_.hold_blocked(on);
     if (std::find(seen.begin(), seen.end(), on) != seen.end()) return false;

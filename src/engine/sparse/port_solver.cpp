@@ -151,7 +151,7 @@ Solved PortSolver::solve_at(const Stage& stage, const Position& on, std::vector<
   if (!factor) return Solved::singular;
   step = stage.right;
   close(stage, on, stage.from, factor->closing() ? &*factor->closing() : nullptr, step);
-  const bool refined = is_noisy(stage.shift) && !factor->closing() && factor->ties().empty();
+  const bool refined = is_noisy(stage.shift) && factor->is_as_it_stands();
   if (refined) right_ = step;
   factor->solve(step);
   if (refined) correct(stage.shift, on, *factor, step);
@@ -160,7 +160,7 @@ Solved PortSolver::solve_at(const Stage& stage, const Position& on, std::vector<
   contradicted_ = false;
   if (factor->closing()) refine(stage, on, *factor, step, z);
   if (!factor->ties().empty()) examine_ties(stage, on, *factor, step, z);
-  if (!factor->closing() && factor->ties().empty()) block(on, stage.from, step, z);
+  if (factor->is_as_it_stands()) block(on, stage.from, step, z);
   return Solved::yes;
 }
 
