@@ -27,6 +27,10 @@ inline constexpr double series_rounding = 2.3e-16;
 /// Why: below the rounding of extended precision: no further step changes the point.
 inline constexpr long double last_root_step = 1e-20L;
 
+/// Of: one, as the last change of an iteration for a dominant subspace.
+/// Why: a hundred units of rounding of extended precision: further steps change nothing.
+inline constexpr long double converged_subspace = 1e-17L;
+
 /// Of: the largest entry of a column of U, for the largest entry of that column of the matrix.
 /// Why: below it the kept pivots have let entries grow by 10^4, and four digits are lost.
 inline constexpr double least_growth = 1e-4;

@@ -8,6 +8,8 @@
 
 #include "linalg/elimination.hpp"
 #include "linalg/factorisations.hpp"
+#include "linalg/fast_decays.hpp"
+#include "linalg/tolerances.hpp"
 #include "model/mode.hpp"
 #include "model/tolerances.hpp"
 
@@ -17,7 +19,10 @@ namespace {
 
 using Eigen::Index;
 using linalg::columns_of;
+using linalg::dominant_subspace;
+using linalg::leading_columns;
 using linalg::Matrix;
+using linalg::orthonormal;
 using linalg::product;
 using linalg::rows_of;
 using linalg::Vector;
@@ -26,11 +31,6 @@ using linalg::WideElimination;
 using linalg::WideMatrix;
 using linalg::WideVector;
 
-/// Ratio of neighbouring rates that makes a cut, and where none is as large. At a hundred, what the slow motion does while the decays last hides an event (a boost rectifier's
-/// diode, from rest).
-constexpr double gap = 1e4, least_gap = 1e3;
-/// −Re λ/|λ| of a plain decay.
-constexpr double least_damping = 0.999;
 /// Of the first shift: another one, at which rounding is another.
 constexpr Wide other_shift = 3.0L;
 /// Of every shift, times a power of two: products with it round, so that two shifts differ by all the rounding there is.
@@ -39,23 +39,10 @@ constexpr Wide digits_of_shift = 1.2020569031595942854L;
 constexpr Wide above_slow = 8.0L, below_fast = 2e-9L;
 /// Of the fast rates, so that one loses no more than three digits beside another.
 constexpr double most_spread = 1e3;
-constexpr int most_iterations = 16;
-constexpr int fewest_iterations =
-    3;  ///< of the slow subspace and of the lift, whose slopes follow its values, before a change that does not shrink …
-constexpr Wide least_progress = 0.1L;  ///< … to this (that of the lift: at all) counts as rounding: the gap makes it 10⁻⁴ of the last
+/// Of the lift: at most, and before a change that does not shrink counts as rounding.
+constexpr int most_lifts = 16, fewest_lifts = 3;
 constexpr Wide largest_basis_condition = 1e6L;  ///< of WᵀN
 constexpr int rounds_of_equilibration = 4;
-
-Cut find_cut_of(const System& system, const Rates& rates, double longest, double ratio) {
-  Cut cut;
-  for (std::size_t i = 0; i < rates.size(); ++i) {
-    const double rate = std::abs(rates[i]);
-    if (!(rate * longest > 1.0) || !(-rates[i].real() > least_damping * rate)) break;
-    const double next = std::max(i + 1 < rates.size() ? std::abs(rates[i + 1]) : 0.0, system.exosystem->fastest());
-    if (rate > ratio * next) cut = {static_cast<Index>(i) + 1, next, rate, std::abs(rates.front())};
-  }
-  return cut;
-}
 
 /// Powers of two s with s_i |m_ij| s_j about one at most, in each row and column.
 WideVector equilibration(const WideMatrix& m) {
@@ -106,46 +93,6 @@ bool make_resolvent(const System& system, const ShiftedSystem& shifted, const st
   result.states = s.leftCols(system.n);
   result.on_sources = s.rightCols(system.n_zeta);
   return true;
-}
-
-/// Orthonormal basis of the columns' span, by Gram and Schmidt's method, twice (Giraud, Langou, Rozložník, Comput. Math. Appl. 50 (2005)). A column that depends on those before it becomes zero.
-WideMatrix orthonormal(WideMatrix m) {
-  for (Index j = 0; j < m.cols(); ++j) {
-    auto column = m.col(j);
-    for (int round = 0; round < 2; ++round)
-      for (Index i = 0; i < j; ++i) column -= m.col(i).dot(column) * m.col(i);
-    const Wide norm = column.norm();
-    if (norm > 0) column /= norm;
-  }
-  return m;
-}
-
-/// The columns of m that are furthest from each other's span, in turn, as a basis with rounding.
-WideMatrix leading_columns(WideMatrix m, Index count) {
-  for (Index j = 0; j < count; ++j) {
-    Index longest = 0;
-    const Wide norm = std::sqrt(m.rightCols(m.cols() - j).colwise().squaredNorm().maxCoeff(&longest));
-    if (!(norm > 0)) break;
-    m.col(j).swap(m.col(j + longest));
-    m.col(j) /= norm;
-    for (Index i = j + 1; i < m.cols(); ++i) m.col(i) -= m.col(j).dot(m.col(i)) * m.col(j);
-  }
-  return m.leftCols(count);
-}
-
-/// Orthonormal basis of what repeated application of S turns everything to. `start`: S on vectors that have no part in what S², or a higher power of it, takes to zero.
-WideMatrix dominant_subspace(const WideMatrix& s, WideMatrix start, Index dimension) {
-  if (dimension == 0) return WideMatrix(s.rows(), 0);
-  WideMatrix basis = orthonormal(leading_columns(std::move(start), dimension));
-  Wide last = INFINITY;
-  for (int k = 0; k < most_iterations; ++k) {
-    WideMatrix next = orthonormal(product(s, basis));
-    const Wide change = (next - product(basis, product(basis.transpose(), next))).norm();
-    basis = std::move(next);
-    if (change <= tolerance::manifold_converged || (k >= fewest_iterations && change > least_progress * last)) break;
-    last = change;
-  }
-  return basis;
 }
 
 /// Orthonormal basis of what is orthogonal to independent columns, by Householder's reflections (Golub & Van Loan, Matrix Computations, §5.1, 5.2): Q's last columns.
@@ -293,11 +240,11 @@ WideMatrix SlowMotion::next_lift(const WideMatrix& lift) const {
 void SlowMotion::find_lift() {
   lift_ = WideMatrix::Zero(n_, nz_);
   Wide last = INFINITY;
-  for (int k = 0; k < most_iterations && nz_ > 0; ++k) {
+  for (int k = 0; k < most_lifts && nz_ > 0; ++k) {
     WideMatrix next = next_lift(lift_);
     const Wide change = (next - lift_).norm();
     lift_ = std::move(next);
-    if (change <= tolerance::manifold_converged * lift_.norm() || (k >= fewest_iterations && !(change < last))) break;
+    if (change <= linalg::tolerance::converged_subspace * lift_.norm() || (k >= fewest_lifts && !(change < last))) break;
     last = change;
   }
 }
@@ -388,7 +335,7 @@ bool Splitter::separate_decays() {
   Vector constants(count);
   for (Index i = 0; i < count; ++i) {
     const std::complex<double> rate = solver.eigenvalues()[i];
-    if (!(-rate.real() > least_damping * std::abs(rate))) return jumps;
+    if (!(-rate.real() > linalg::least_damping * std::abs(rate))) return jumps;
     constants[i] = -1.0 / rate.real();
   }
   const Matrix vectors = solver.eigenvectors().real();
@@ -406,12 +353,7 @@ bool Splitter::separate_decays() {
 
 Rates rates_by_speed(const Mode& whole, double longest) {
   const Matrix a = whole.flow.a().topLeftCorner(whole.n1, whole.n1);
-  if (!(linalg::norm_bound(a) * longest > 1.0)) return {};
-  const Eigen::EigenSolver<Matrix> solver(a, false);
-  if (solver.info() != Eigen::Success) return {};
-  Rates rates(solver.eigenvalues().begin(), solver.eigenvalues().end());
-  std::sort(rates.begin(), rates.end(), [](const auto& x, const auto& y) { return std::abs(x) > std::abs(y); });
-  return rates;
+  return linalg::norm_bound(a) * longest > 1.0 ? linalg::rates_by_speed(a) : Rates{};
 }
 
 const ShiftedSystem& ShiftedSystems::at(Wide shift) {
@@ -434,11 +376,6 @@ const ShiftedSystem& ShiftedSystems::at(Wide shift) {
   result.impedances = unrounded->d + product(c.leftCols(n), result.of_inputs);
   result.is_regular = true;
   return result;
-}
-
-Cut find_cut(const System& system, const Rates& rates, double longest) {
-  const Cut cut = find_cut_of(system, rates, longest, gap);
-  return cut.fast > 0 ? cut : find_cut_of(system, rates, longest, least_gap);
 }
 
 std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const Cut& cut, const std::vector<int>& active,

@@ -15,11 +15,11 @@
 /// an exact similarity (Kokotović, Khalil, O'Reilly, Singular Perturbation Methods in Control (1986), §2.4). With Roff = ∞ the slow motion is that of the ideal
 /// mode, and the decay of φ its jump.
 
-#include <complex>
 #include <map>
 #include <optional>
 #include <vector>
 
+#include "linalg/fast_decays.hpp"
 #include "model/system.hpp"
 
 namespace pwlsim::model {
@@ -43,10 +43,10 @@ struct SlowManifold {
   double rate_doubt = 0.0;           ///< what rounding of A, entry by entry, may make of the slow rates, 1/s
 };
 
-/// Eigenvalues of a mode's A, 1/s, the fastest first.
-using Rates = std::vector<std::complex<double>>;
+using linalg::Cut;
+using linalg::Rates;
 
-/// None where no time constant can be as short as `longest`, s, or where they cannot be computed.
+/// Of its states; none where no time constant can be as short as `longest`, s, or where they cannot be computed.
 [[nodiscard]] Rates rates_by_speed(const Mode& whole, double longest);
 
 /// R at one shift, and what it makes of all ports, whichever of them a mode has active.
@@ -70,14 +70,10 @@ class ShiftedSystems {
   std::map<linalg::Wide, ShiftedSystem> known_;
 };
 
-/// How many of a mode's motions are plain decays far faster than the rest (none: no cut), and the rates on both sides of the cut, 1/s.
-struct Cut {
-  Eigen::Index fast = 0;
-  double slow_rate = 0.0, fast_rate = 0.0, fastest_rate = 0.0;
-};
-
 /// The cut with the slowest decays whose time constant is at most `longest`, s.
-[[nodiscard]] Cut find_cut(const System& system, const Rates& rates, double longest);
+[[nodiscard]] inline Cut find_cut(const System& system, const Rates& rates, double longest) {
+  return linalg::find_cut(rates, longest, system.exosystem->fastest());
+}
 
 /// Of `whole`, the mode of the active ports, whose rates have this cut. None if the fast part is not a plain decay.
 [[nodiscard]] std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const Cut& cut,

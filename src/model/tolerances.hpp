@@ -119,9 +119,6 @@ inline constexpr long double manifold_pivot = 1e-17L;
 /// Of: terms of order one, in extended precision.
 /// Why: the residual of an equation that is an identity is smaller.
 inline constexpr long double manifold_identity = 1e-13L;
-/// Of: one, as the last change of the iteration for the slow subspace.
-/// Why: a hundred units of rounding of extended precision: further steps change nothing.
-inline constexpr long double manifold_converged = 1e-17L;
 /// Of: the norm of an eigenvector's terms.
 /// Why: a larger residual means that the vector is not one, and the mode is not split.
 inline constexpr double eigenvector = 1e-9;

@@ -28,16 +28,16 @@ void check_deck(const std::filesystem::path& deck) {
   CHECK(worst_error(run, read_reference(deck.stem().string())) <= bound);
 }
 
-/// Two three-phase bridges in series, a sixth of a half period apart, with filters of the orders 5, 7 and 11 at each phase.
-std::string filtered_bridges() {
+/// Two three-phase bridges in series, a sixth of a half period apart, with filters of the orders 5, 7 and 11 at each phase. `first`: phase of the first source, degrees; `pi`: for the filters' inductances.
+std::string filtered_bridges(int first, double pi) {
   std::string deck = "filtered bridges\n";
   for (const int bridge : {0, 1})
     for (const int phase : {0, 1, 2}) {
       const std::string at = fmt::format("{}_{}", bridge, phase);
       deck += fmt::format("V{0} s{0} m{1} SIN(0 325 50 0 0 {2})\nR{0} s{0} t{0} 0.05\nL{0} t{0} a{0} 1m ic=0\n", at, bridge,
-                          30 * bridge - 120 * phase + 7);
+                          30 * bridge - 120 * phase + first);
       for (const int order : {5, 7, 11}) {
-        const double c = 1e-4 / order, turning = 2.0 * std::numbers::pi * 50.0 * order;
+        const double c = 1e-4 / order, turning = 2.0 * pi * 50.0 * order;
         deck += fmt::format("C{0}_{1} a{0} f{0}_{1} {2} ic=0\nRF{0}_{1} f{0}_{1} g{0}_{1} 0.1\nLF{0}_{1} g{0}_{1} w{3}_{1} {4} ic=0\n", at,
                             order, c, bridge, 1.0 / (turning * turning * c));
       }
@@ -180,8 +180,16 @@ TEST_CASE("controls that pass at one instant change together by Krylov segments"
 
 // A current begins with the square of time, where rounding of its derivatives at the start hides it: of 48 events 8 were not told.
 TEST_CASE("a diode whose current begins slowly is an event by Krylov segments", "[regression]") {
-  const auto [modes, segments] = run_both(filtered_bridges());
+  const auto [modes, segments] = run_both(filtered_bridges(7, std::numbers::pi));
   CHECK(segments.answer.statistics.events >= modes.answer.statistics.events);
+  CHECK(largest_difference(modes, segments) <= 1e-9);
+}
+
+// As two diodes in series carry one current, they turn on together. The second one's voltage stands behind a leak of 1 MOhm at a star point, whose row is 10^9 and reads a decay of 1 ns: rounding of that
+// decay was 8 mV of noise, within which it stayed off for 27 ns, and the run ended in E-certificate (4.5e-6).
+TEST_CASE("a decay that is over does not hide a diode behind a floating leak by Krylov segments", "[regression]") {
+  const auto [modes, segments] = run_both(filtered_bridges(0, 3.14159265358979));
+  CHECK(segments.answer.certificate.complementarity <= 1e-9);
   CHECK(largest_difference(modes, segments) <= 1e-9);
 }
 

@@ -203,7 +203,10 @@ class ExactSegment {
   [[nodiscard]] bool is_short_circuited(int row) const;
   void drop_empty_guards();
   void bound_guards();
+  void leave_out_decays();
   void note_rounding();
+  [[nodiscard]] double largest_input() const;
+  [[nodiscard]] double size_of_kind(int row, double input) const;
   [[nodiscard]] double terms_of(int row) const;
   [[nodiscard]] double node_rounding(int row) const;
   [[nodiscard]] double rounding_size(const WatchedControl& control) const;
@@ -246,6 +249,7 @@ class ExactSegment {
   bool located_ = false;
   std::vector<int> negative_, rising_, free_, idle_;
   std::vector<std::vector<int>> beside_;  ///< of each port those in parallel
+  std::vector<double> left_out_;          ///< of guards: what a decay that is over, and its rounding, leave
   double start_rounding_ = 0.0;           ///< √energy
   std::vector<double> zeta_, y_, work_;
   bool nothing_flows_ = false;                   ///< through ports, but for rounding

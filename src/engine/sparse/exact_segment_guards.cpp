@@ -5,6 +5,7 @@
 #include "engine/sparse/exact_segment.hpp"
 #include "engine/sparse/tolerances.hpp"
 #include "linalg/balance.hpp"
+#include "linalg/fast_decays.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -12,6 +13,7 @@ namespace {
 
 constexpr double noise_of_tolerance = 10.0;  ///< terms of a guard, against the tolerance
 constexpr double share_of_norm = 0.1;
+constexpr double beyond_size = 1e3;  ///< times what a guard is measured against, its noise by the norms of row and state hides it
 constexpr double beyond_held = 2.0;  ///< of a slack that was held at zero: what is no rounding of it
 constexpr int most_derivatives = 4;  ///< at the start: what begins with a higher power of time is at rest until it is visible
 
@@ -96,36 +98,73 @@ void ExactSegment::bound_guards() {
   m.guard_norm = m.guard_c_norm = m.guards.rowwise().norm();
   m.guard_block_norm.resize(m.guards.rows(), 0);
   m.input_block_norm.resize(0);
+  leave_out_decays();
   note_rounding();
   for (const auto& [guard, factor] : muted_) m.guard_noise[guard] *= factor;
   if (m.guard_noise.size() > 0) m.noise = std::max(m.noise, m.guard_noise.maxCoeff());
 }
 
-/// Noise of each guard, against the terms of its own row, which may be nothing but the rounding of what it is a difference of: voltages of nodes for a slack, the
-/// largest of all currents for a current.
+/// The largest current of a port that is on, each with the terms of its row.
+double ExactSegment::largest_input() const {
+  double input = 0.0;
+  for (int i = 0; i < descriptor_.first_switch(); ++i)
+    if (on_[static_cast<std::size_t>(i)] != 0) input = std::max(input, linalg::absolute_row_times(mode_->guards, i, space_.first().data()));
+  return input;
+}
+
+/// What a guard is measured against beside its own terms: those may be nothing but the rounding of what it is a difference of. `input`: the largest one.
+double ExactSegment::size_of_kind(int row, double input) const {
+  const int ports = descriptor_.first_switch();
+  const double size = row >= ports ? rounding_size(controls_[static_cast<std::size_t>(row - ports)])
+                                   : (on_[static_cast<std::size_t>(row)] != 0 ? input : voltage_);
+  return std::max(size, least_voltage_);
+}
+
+/// A row behind a leak that floats reads mostly a decay of nanoseconds. Where that is over, what is left of it in the state is rounding: it is left out of such rows, whose noise is
+/// that of the slow motion then. Where it is not, they keep it.
+void ExactSegment::leave_out_decays() {
+  model::Mode& m = *mode_;
+  const linalg::Vector& y = space_.first();
+  left_out_.assign(static_cast<std::size_t>(m.guards.rows()), 0.0);
+  const double input = largest_input();
+  std::vector<int> far;
+  for (const int row : segment_.rows) {
+    const double size = std::max(size_of_kind(row, input), linalg::absolute_row_times(m.guards, row, y.data()));
+    if (share_of_norm * m.guard_norm[row] * y.norm() > beyond_size * size) far.push_back(row);
+  }
+  if (far.empty()) return;
+  const std::optional<linalg::FastPart> part = linalg::fast_part(m.flow.a());
+  if (!part) return;
+  const linalg::Vector decays = part->coordinates * y;
+  for (const int row : far) {
+    const Eigen::RowVectorXd of_decays = m.guards.row(row) * part->fast;
+    const double left = std::max(of_decays.cwiseAbs().dot(decays.cwiseAbs()), tolerance::left_of_decay * m.guard_norm[row] * y.norm());
+    if (left > m.noise * share_of_norm * m.guard_norm[row] * y.norm()) continue;
+    m.guards.row(row) -= of_decays * part->coordinates;
+    m.absolute_guards.row(row) = m.guards.row(row).cwiseAbs();
+    m.guard_norm[row] = m.guard_c_norm[row] = m.guards.row(row).norm();
+    left_out_[static_cast<std::size_t>(row)] = left;
+  }
+}
+
+/// Noise of each guard, against the terms of its own row.
 void ExactSegment::note_rounding() {
   model::Mode& m = *mode_;
-  const Eigen::Map<const linalg::Vector> y(space_.first().data(), m.ny);
-  const linalg::Vector terms = m.absolute_guards * y.cwiseAbs();
+  const double norm = space_.first().norm(), input = largest_input();
   const int ports = descriptor_.first_switch();
-  double input = 0.0;
-  for (int i = 0; i < ports; ++i)
-    if (on_[static_cast<std::size_t>(i)] != 0) input = std::max(input, terms[i]);
   m.guard_noise.setConstant(m.guards.rows(), m.noise);
   for (const int i : segment_.rows) {
-    double size = i >= ports ? rounding_size(controls_[static_cast<std::size_t>(i - ports)])
-                             : (on_[static_cast<std::size_t>(i)] != 0 ? input : voltage_);
-    const double least = std::max(terms[i], share_of_norm * m.guard_norm[i] * y.norm());
+    const double size = size_of_kind(i, input);
+    const double least = std::max(linalg::absolute_row_times(m.guards, i, space_.first().data()), share_of_norm * m.guard_norm[i] * norm);
     const bool is_input = i < ports && on_[static_cast<std::size_t>(i)] != 0;
-    size = std::max(size, least_voltage_);
     const double rounding = is_input ? relaxation_ * tolerance::input_rounding : tolerance::voltage_rounding;
     if (is_input) m.guard_noise[i] *= relaxation_;
     if (m.guard_norm[i] > 0.0)
-      m.guard_noise[i] = std::max(m.guard_noise[i], tolerance::row_rounding / share_of_norm * terms_of(i) / (m.guard_norm[i] * y.norm()));
+      m.guard_noise[i] = std::max(m.guard_noise[i], tolerance::row_rounding / share_of_norm * terms_of(i) / (m.guard_norm[i] * norm));
     const double held = i < ports && jump_voltage_ == 0.0 ? held_[static_cast<std::size_t>(i)] : 0.0;
-    if (least > 0.0)
-      m.guard_noise[i] =
-          std::max({m.guard_noise[i], std::max(rounding * size, held) / least, tolerance::jump_rounding * jump_voltage_ / least});
+    const double known =
+        std::max({rounding * size, held, tolerance::jump_rounding * jump_voltage_, left_out_[static_cast<std::size_t>(i)]});
+    if (least > 0.0) m.guard_noise[i] = std::max(m.guard_noise[i], known / least);
   }
 }
 

@@ -228,6 +228,9 @@ inline constexpr double input_rounding = 1e-12;
 /// Of: the voltages before a jump.
 /// Why: 450 units of rounding: states behind it are their differences.
 inline constexpr double jump_rounding = 1e-13;
+/// Of: the norms of a guard's row and of the state.
+/// Why: five units of rounding: what is left of a decay where it is taken out of a row.
+inline constexpr double left_of_decay = 1e-15;
 /// Of: the row of the largest voltage, or input.
 /// Why: 450 units of rounding: a smaller row is zero.
 inline constexpr double empty_row = 1e-13;

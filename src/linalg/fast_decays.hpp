@@ -1,0 +1,48 @@
+#pragma once
+/// Motions of x' = A x that are plain decays far faster than the rest, and what an iteration for dominant subspaces tells of them (Golub & Van Loan, Matrix Computations, §7.3).
+
+#include <complex>
+#include <optional>
+#include <vector>
+
+#include "linalg/dense.hpp"
+
+namespace pwlsim::linalg {
+
+/// Of a plain decay, −Re λ/|λ| is more.
+inline constexpr double least_damping = 0.999;
+
+/// Eigenvalues, 1/s, the fastest first.
+using Rates = std::vector<std::complex<double>>;
+
+/// None where they cannot be computed.
+[[nodiscard]] Rates rates_by_speed(const Matrix& a);
+
+/// How many of the motions are such decays (none: no cut), and the rates on both sides of the cut, 1/s.
+struct Cut {
+  Eigen::Index fast = 0;
+  double slow_rate = 0.0, fast_rate = 0.0, fastest_rate = 0.0;
+};
+
+/// The cut with the slowest decays whose time constant is at most `longest`, s. `other`: a rate that is there beside those, 1/s.
+[[nodiscard]] Cut find_cut(const Rates& rates, double longest, double other);
+
+/// Orthonormal basis of the columns' span, by Gram and Schmidt's method, twice (Giraud, Langou, Rozložník, Comput. Math. Appl. 50 (2005)). A column that depends on those before it becomes zero.
+[[nodiscard]] WideMatrix orthonormal(WideMatrix m);
+
+/// The columns of m that are furthest from each other's span, in turn, as a basis with rounding.
+[[nodiscard]] WideMatrix leading_columns(WideMatrix m, Eigen::Index count);
+
+/// Orthonormal basis of what repeated application of S turns everything to. `start`: S on vectors that have no part in what S², or a higher power of it, takes to zero.
+[[nodiscard]] WideMatrix dominant_subspace(const WideMatrix& s, WideMatrix start, Eigen::Index dimension);
+
+/// x = fast·φ + what is slow, φ = coordinates·x.
+struct FastPart {
+  Matrix fast;         ///< orthonormal columns
+  Matrix coordinates;  ///< a row for each
+};
+
+/// None where A has no such decays, whatever their time constants.
+[[nodiscard]] std::optional<FastPart> fast_part(const Matrix& a);
+
+}  // namespace pwlsim::linalg

@@ -1,0 +1,31 @@
+#include "linalg/fast_decays.hpp"
+
+#include <catch2/catch.hpp>
+
+using pwlsim::linalg::fast_part;
+using pwlsim::linalg::Matrix;
+using pwlsim::linalg::Vector;
+
+namespace {
+
+/// V diag(−10⁹, −2·10⁹, −3, −5) V⁻¹; V and its inverse have whole numbers.
+const Matrix vectors = (Matrix(4, 4) << 1, 2, 0, 1, 0, 1, 3, 0, 0, 0, 1, 2, 0, 0, 0, 1).finished();
+const Matrix inverse = (Matrix(4, 4) << 1, -2, 6, -13, 0, 1, -3, 6, 0, 0, 1, -2, 0, 0, 0, 1).finished();
+
+}  // namespace
+
+TEST_CASE("fast decays are told from the slow motion", "[unit]") {
+  const Matrix a = vectors * Vector((Vector(4) << -1e9, -2e9, -3.0, -5.0).finished()).asDiagonal() * inverse;
+  const auto part = fast_part(a);
+  REQUIRE(part);
+  REQUIRE(part->fast.cols() == 2);
+  // By eigenvectors: what is fast of x is V diag(1, 1, 0, 0) V⁻¹ x.
+  const Matrix expected = vectors.leftCols(2) * inverse.topRows(2);
+  CHECK((part->fast * part->coordinates - expected).cwiseAbs().maxCoeff() < 1e-13 * expected.cwiseAbs().maxCoeff());
+}
+
+TEST_CASE("a ring is no fast decay, and equal rates have none", "[unit]") {
+  const Matrix ring = (Matrix(3, 3) << 0, 1e9, 0, -1e9, 0, 0, 0, 0, -1).finished();
+  CHECK_FALSE(fast_part(ring));
+  CHECK_FALSE(fast_part(-Matrix::Identity(3, 3)));
+}
