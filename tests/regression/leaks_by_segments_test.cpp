@@ -205,6 +205,48 @@ const std::vector<Case> cases{
      ".tran 2.8246e-06 0.000112984 uic\n"
      ".save i(L1) v(fi,0) i(L2) v(a,b) i(L3) v(out,0)\n"
      ".end\n"},
+    {"a decay turns a diode on while it lasts",
+     "forward\n"
+     "Vg0 g0 0 PULSE(0 1 1.129e-06 1.01e-08 1.01e-08 2.4543e-06 1.01e-05)\n"
+     "V1 in 0 24\n"
+     "S1 in pa g0 0 SX1\n"
+     "S2 pb 0 g0 0 SX1\n"
+     "D1 0 pa DX0\n"
+     "D2 pb in DX0\n"
+     "L1 pa pb 0.00282 ic=0\n"
+     "L2 s 0 0.00106313 ic=0\n"
+     "D3 s f DX0\n"
+     "D4 0 f DX0\n"
+     "L3 f out 0.000187 ic=0\n"
+     "C1 out 0 5.82e-06 ic=0\n"
+     "R1 out 0 52.4\n"
+     "K1 L1 L2 0.95\n"
+     ".model DX0 D(Ron=0.016 Roff=1000000000000 Vfwd=0.7)\n"
+     ".model SX1 SW(Ron=0.016 Roff=114000000000 Vt=0.5)\n"
+     ".tran 4.9466e-06 0.000197864 uic\n"
+     ".save i(L1) i(L2) i(L3) v(out,0)\n"
+     ".end\n"},
+    {"too few vectors hide what a decay does to a diode",
+     "forward\n"
+     "Vg0 g0 0 PULSE(0 1 4.3116e-06 6.58e-08 6.58e-08 1.5266e-06 6.58e-06)\n"
+     "V1 in 0 48\n"
+     "S1 in pa g0 0 SX1\n"
+     "S2 pb 0 g0 0 SX1\n"
+     "D1 0 pa DX0\n"
+     "D2 pb in DX0\n"
+     "L1 pa pb 8.2e-05 ic=0\n"
+     "L2 s 0 6.80141e-06 ic=0\n"
+     "D3 s f DX0\n"
+     "D4 0 f DX0\n"
+     "L3 f out 5.17e-06 ic=0\n"
+     "C1 out 0 0.000161 ic=0\n"
+     "R1 out 0 0.854\n"
+     "K1 L1 L2 0.99\n"
+     ".model DX0 D(Ron=0.0266 Vfwd=0.55)\n"
+     ".model SX1 SW(Ron=0.00157 Roff=32300000000 Vt=0.5)\n"
+     ".tran 3.248e-06 0.00012992 uic\n"
+     ".save i(L1) i(L2) i(L3) v(out,0)\n"
+     ".end\n"},
 };
 
 }  // namespace

@@ -385,12 +385,27 @@ ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start) {
   vectors_of_one_before_ = std::exchange(vectors_of_last_, expected_vectors());
   habits_[key_].vectors = vectors_of_last_;
   located_ = false;
-  take_guards(start.on);
-  bound_guards();
+  watch_guards(start.on);
   judge_start();
+  note_later_rounding();
   if (!is_undecided_by_habit(start.longest)) return Opened::yes;
   habits_[key_].length = 0.0;
   return open(factors, start);
+}
+
+/// With as many vectors as a decay asks for that a guard behind a leak reads.
+void ExactSegment::watch_guards(const Position& on) {
+  for (;;) {
+    take_guards(on);
+    bound_guards();
+    const int before = space_.dimension();
+    if (!hides_decay_ || space_.is_full() || before >= dimensions.back()) return;
+    space_.grow(*std::upper_bound(dimensions.begin(), dimensions.end() - 1, before));
+    const bool is_better =
+        space_.is_sound() && largest_error(space_.estimate(length_)) <= estimate_ && space_.loss() <= most_loss && has_digits();
+    if (!is_better) space_.shrink(before);
+    estimate_ = largest_error(space_.estimate(length_));
+  }
 }
 
 /// Most events come soon: what lies far beyond is looked at after that.

@@ -198,6 +198,7 @@ class ExactSegment {
   [[nodiscard]] bool reaches(double longer);
   [[nodiscard]] bool has_digits();
   void note_all_decays();
+  void watch_guards(const Position& on);
   void take_guards(const Position& on);
   void find_parallel_ports();
   [[nodiscard]] bool is_short_circuited(int row) const;
@@ -205,6 +206,8 @@ class ExactSegment {
   void bound_guards();
   void leave_out_decays();
   void note_rounding();
+  void note_later_rounding();
+  [[nodiscard]] double noise_of_row(int row, double least, double input) const;
   [[nodiscard]] double largest_input() const;
   [[nodiscard]] double size_of_kind(int row, double input) const;
   [[nodiscard]] double terms_of(int row) const;
@@ -246,10 +249,11 @@ class ExactSegment {
   Segment segment_;
   Locator locator_;
   Passage passage_;
-  bool located_ = false;
+  bool located_ = false, hides_decay_ = false;  ///< its error hides what a decay that it begins with does to a guard
   std::vector<int> negative_, rising_, free_, idle_;
   std::vector<std::vector<int>> beside_;  ///< of each port those in parallel
   std::vector<double> left_out_;          ///< of guards: what a decay that is over, and its rounding, leave
+  std::vector<double> later_noise_;       ///< of guards that read a decay that is not, once it is; infinite: they do not
   double start_rounding_ = 0.0;           ///< √energy
   std::vector<double> zeta_, y_, work_;
   bool nothing_flows_ = false;                   ///< through ports, but for rounding

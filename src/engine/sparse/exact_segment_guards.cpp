@@ -121,11 +121,13 @@ double ExactSegment::size_of_kind(int row, double input) const {
 }
 
 /// A row behind a leak that floats reads mostly a decay of nanoseconds. Where that is over, what is left of it in the state is rounding: it is left out of such rows, whose noise is
-/// that of the slow motion then. Where it is not, they keep it.
+/// that of the slow motion then. Where it is not, they keep it, and their noise is that of the slow motion once they are clear of what the start makes of it.
 void ExactSegment::leave_out_decays() {
   model::Mode& m = *mode_;
   const linalg::Vector& y = space_.first();
+  hides_decay_ = false;
   left_out_.assign(static_cast<std::size_t>(m.guards.rows()), 0.0);
+  later_noise_.assign(static_cast<std::size_t>(m.guards.rows()), INFINITY);
   const double input = largest_input();
   std::vector<int> far;
   for (const int row : segment_.rows) {
@@ -137,34 +139,55 @@ void ExactSegment::leave_out_decays() {
   if (!part) return;
   const linalg::Vector decays = part->coordinates * y;
   for (const int row : far) {
-    const Eigen::RowVectorXd of_decays = m.guards.row(row) * part->fast;
-    const double left = std::max(of_decays.cwiseAbs().dot(decays.cwiseAbs()), tolerance::left_of_decay * m.guard_norm[row] * y.norm());
-    if (left > m.noise * share_of_norm * m.guard_norm[row] * y.norm()) continue;
-    m.guards.row(row) -= of_decays * part->coordinates;
-    m.absolute_guards.row(row) = m.guards.row(row).cwiseAbs();
-    m.guard_norm[row] = m.guard_c_norm[row] = m.guards.row(row).norm();
-    left_out_[static_cast<std::size_t>(row)] = left;
+    const Eigen::RowVectorXd of_decays = m.guards.row(row) * part->fast, slow = m.guards.row(row) - of_decays * part->coordinates;
+    const double size = m.guard_norm[row] * y.norm(), rounding = tolerance::left_of_decay * size;
+    const double left = std::max(of_decays.cwiseAbs().dot(decays.cwiseAbs()), rounding);
+    if (left <= m.noise * share_of_norm * size) {
+      m.guards.row(row) = slow;
+      m.absolute_guards.row(row) = slow.cwiseAbs();
+      m.guard_norm[row] = m.guard_c_norm[row] = slow.norm();
+      left_out_[static_cast<std::size_t>(row)] = left;
+    } else {
+      const double of_slow = m.noise * std::max(share_of_norm * slow.norm() * y.norm(), slow.cwiseAbs().dot(y.cwiseAbs()));
+      const double of_segment = estimate_ * m.guard_norm[row];
+      hides_decay_ |= of_segment > of_slow + rounding;
+      later_noise_[static_cast<std::size_t>(row)] = (of_slow + rounding + of_segment) / (share_of_norm * size);
+    }
   }
 }
 
-/// Noise of each guard, against the terms of its own row.
+/// Noise of each guard, against the terms of its own row, at the start.
 void ExactSegment::note_rounding() {
   model::Mode& m = *mode_;
-  const double norm = space_.first().norm(), input = largest_input();
-  const int ports = descriptor_.first_switch();
+  const double input = largest_input();
   m.guard_noise.setConstant(m.guards.rows(), m.noise);
-  for (const int i : segment_.rows) {
-    const double size = size_of_kind(i, input);
-    const double least = std::max(linalg::absolute_row_times(m.guards, i, space_.first().data()), share_of_norm * m.guard_norm[i] * norm);
-    const bool is_input = i < ports && on_[static_cast<std::size_t>(i)] != 0;
-    const double rounding = is_input ? relaxation_ * tolerance::input_rounding : tolerance::voltage_rounding;
-    if (is_input) m.guard_noise[i] *= relaxation_;
-    if (m.guard_norm[i] > 0.0)
-      m.guard_noise[i] = std::max(m.guard_noise[i], tolerance::row_rounding / share_of_norm * terms_of(i) / (m.guard_norm[i] * norm));
-    const double held = i < ports && jump_voltage_ == 0.0 ? held_[static_cast<std::size_t>(i)] : 0.0;
-    const double known =
-        std::max({rounding * size, held, tolerance::jump_rounding * jump_voltage_, left_out_[static_cast<std::size_t>(i)]});
-    if (least > 0.0) m.guard_noise[i] = std::max(m.guard_noise[i], known / least);
+  for (const int row : segment_.rows) m.guard_noise[row] = noise_of_row(row, m.noise, input);
+}
+
+/// From `least` on.
+double ExactSegment::noise_of_row(int row, double least, double input) const {
+  const model::Mode& m = *mode_;
+  const double norm = m.guard_norm[row] * space_.first().norm();
+  if (!(norm > 0.0)) return least;
+  const int ports = descriptor_.first_switch();
+  const bool is_input = row < ports && on_[static_cast<std::size_t>(row)] != 0;
+  const double relaxed = is_input ? relaxation_ : 1.0;
+  const double rounding = relaxed * (is_input ? tolerance::input_rounding : tolerance::voltage_rounding);
+  const double held = row < ports && jump_voltage_ == 0.0 ? held_[static_cast<std::size_t>(row)] : 0.0;
+  const double known = std::max(
+      {rounding * size_of_kind(row, input), held, tolerance::jump_rounding * jump_voltage_, left_out_[static_cast<std::size_t>(row)]});
+  const double size = std::max(linalg::absolute_row_times(m.guards, row, space_.first().data()), share_of_norm * norm);
+  return std::max({relaxed * least, tolerance::row_rounding / share_of_norm * terms_of(row) / norm, known / size});
+}
+
+/// Of guards that are clear of zero while the start is in them: what it makes of a decay's size passes with it.
+void ExactSegment::note_later_rounding() {
+  const double input = largest_input();
+  for (std::size_t i = 0; i < segment_.rows.size(); ++i) {
+    const int row = segment_.rows[i];
+    const double later = later_noise_[static_cast<std::size_t>(row)];
+    if (segment_.departures[i].order != 0 || !(later < mode_->guard_noise[row])) continue;
+    mode_->guard_noise[row] = noise_of_row(row, later, input);
   }
 }
 
