@@ -87,13 +87,14 @@ WideMatrix dominant_subspace(const WideMatrix& s, WideMatrix start, Index dimens
 std::optional<FastPart> fast_part(const Matrix& a) {
   const Rates rates = rates_by_speed(a);
   if (rates.empty()) return std::nullopt;
-  const Index count = find_cut(rates, INFINITY, std::abs(rates.back())).fast;
+  const Cut cut = find_cut(rates, INFINITY, std::abs(rates.back()));
+  const Index count = cut.fast;
   if (count == 0) return std::nullopt;
   const WideMatrix wide = a.cast<Wide>(), transposed = wide.transpose();
   const WideMatrix fast = dominant_subspace(wide, wide, count), of_rows = dominant_subspace(transposed, transposed, count);
   const WideElimination between(product(of_rows.transpose(), fast), 0);
   if (between.rank() < count) return std::nullopt;
-  return FastPart{fast.cast<double>(), between.solve(of_rows.transpose()).cast<double>()};
+  return FastPart{fast.cast<double>(), between.solve(of_rows.transpose()).cast<double>(), cut.fast_rate};
 }
 
 }  // namespace pwlsim::linalg

@@ -38,8 +38,9 @@ struct Cut {
 
 /// x = fast·φ + what is slow, φ = coordinates·x.
 struct FastPart {
-  Matrix fast;         ///< orthonormal columns
-  Matrix coordinates;  ///< a row for each
+  Matrix fast;           ///< orthonormal columns
+  Matrix coordinates;    ///< a row for each
+  double slowest = 0.0;  ///< rate of them, 1/s
 };
 
 /// None where A has no such decays, whatever their time constants.

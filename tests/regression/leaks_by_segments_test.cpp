@@ -247,6 +247,30 @@ const std::vector<Case> cases{
      ".tran 3.248e-06 0.00012992 uic\n"
      ".save i(L1) i(L2) i(L3) v(out,0)\n"
      ".end\n"},
+    {"a decay that more vectors do not show has a segment of its own",
+     "llc\n"
+     "Vg0 g0 0 PULSE(0 1 1.02e-06 0 0 2.298e-06 4.95e-06)\n"
+     "Vg1 g1 0 PULSE(1 0 1.02e-06 0 0 2.298e-06 4.95e-06)\n"
+     "V1 in 0 12\n"
+     "S1 in sw g0 0 SX1\n"
+     "D1 sw in DX0\n"
+     "S2 sw 0 g1 0 SX1\n"
+     "D2 0 sw DX0\n"
+     "C1 sw r 3.81e-10 ic=0\n"
+     "L1 r p 0.0019 ic=0\n"
+     "L2 p 0 0.012 ic=0\n"
+     "L3 sa 0 0.000380208 ic=0\n"
+     "L4 0 sb 0.000380208 ic=0\n"
+     "D3 sa out DX0\n"
+     "D4 sb out DX0\n"
+     "C2 out 0 2.48e-06 ic=0\n"
+     "R1 out 0 34.2\n"
+     "K1 L2 L3 L4 0.995\n"
+     ".model DX0 D(Ron=0.00704 Roff=133000000000 Vfwd=0.7)\n"
+     ".model SX1 SW(Ron=0.0546 Vt=0.5)\n"
+     ".tran 2.4112e-06 9.6448e-05 uic\n"
+     ".save v(sw,r) i(L1) i(L2) i(L3) i(L4) v(out,0)\n"
+     ".end\n"},
 };
 
 }  // namespace

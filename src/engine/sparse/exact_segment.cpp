@@ -33,9 +33,11 @@ constexpr int most_no_better = 3;           ///< looks at an error that do not l
 constexpr int most_cuts = 12, most_extensions = 6, most_doublings = 3;
 constexpr double first_look = 2.0, next_look = 4.0;  ///< how far events are looked for, of the expected length, and then of that
 constexpr double shorter = 32.0;                     ///< a segment that cannot be made is tried again at so small a part
-constexpr double most_rise = 1e6;            ///< of them at the start of a segment: beyond, and beyond what the run has had, are impulses
-constexpr double most_loss = 1e6;            ///< of vectors by orthogonalisation, in roundings
-constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
+constexpr double most_rise = 1e6;  ///< of them at the start of a segment: beyond, and beyond what the run has had, are impulses
+constexpr double time_constants_of_decay = 40.0;  ///< until it is over, to rounding
+constexpr double most_of_length_for_decay = 0.1;  ///< it is worth a segment of its own
+constexpr double most_loss = 1e6;                 ///< of vectors by orthogonalisation, in roundings
+constexpr double least_share = 1.0 / 256.0;       ///< of the usual length: shorter ones make no space of their own
 constexpr double muting = 30.0, most_muted = 1e6;
 constexpr double tolerances_of_run = 200.0, most_tolerances = 10.0;  ///< that may add up over the run, and that one segment may have
 constexpr int many_vectors = 20;                                     ///< so many cost more than the tolerance is worth
@@ -361,7 +363,7 @@ std::vector<double> ExactSegment::euler_end(double h) const {
   return z;
 }
 
-ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start) {
+ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start, bool is_again) {
   is_rejected_ = false;
   start_ = start.time;
   on_ = start.on;
@@ -386,11 +388,15 @@ ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start) {
   habits_[key_].vectors = vectors_of_last_;
   located_ = false;
   watch_guards(start.on);
+  if (!is_again && time_constants_of_decay < hidden_decay_ * most_of_length_for_decay * length_) {
+    habits_[key_].length = time_constants_of_decay / hidden_decay_;
+    return open(factors, start, true);
+  }
   judge_start();
   note_later_rounding();
-  if (!is_undecided_by_habit(start.longest)) return Opened::yes;
+  if (is_again || !is_undecided_by_habit(start.longest)) return Opened::yes;
   habits_[key_].length = 0.0;
-  return open(factors, start);
+  return open(factors, start, true);
 }
 
 /// With as many vectors as a decay asks for that a guard behind a leak reads.
@@ -399,7 +405,7 @@ void ExactSegment::watch_guards(const Position& on) {
     take_guards(on);
     bound_guards();
     const int before = space_.dimension();
-    if (!hides_decay_ || space_.is_full() || before >= dimensions.back()) return;
+    if (hidden_decay_ == 0.0 || space_.is_full() || before >= dimensions.back()) return;
     space_.grow(*std::upper_bound(dimensions.begin(), dimensions.end() - 1, before));
     const bool is_better =
         space_.is_sound() && largest_error(space_.estimate(length_)) <= estimate_ && space_.loss() <= most_loss && has_digits();

@@ -56,7 +56,7 @@ class ExactSegment {
   };
   /// contradicted: the position is none of the network. unresolved: not even the shortest segment meets the tolerance.
   enum class Opened { yes, singular, contradicted, unresolved };
-  [[nodiscard]] Opened open(Factors& factors, const Origin& start);
+  [[nodiscard]] Opened open(Factors& factors, const Origin& start) { return open(factors, start, false); }
 
   /// An implicit Euler step over a jump, h, s: z := its end, sources included. 0: it has no digits. As S = (1 − h A)⁻¹ P, a segment that begins with z and is taken
   /// back by that step, to (1 − h A) z, begins with what the jump P leads to, whatever h: impulses may be as small as a long step makes them. False: h is too long for
@@ -198,6 +198,7 @@ class ExactSegment {
   [[nodiscard]] bool reaches(double longer);
   [[nodiscard]] bool has_digits();
   void note_all_decays();
+  [[nodiscard]] Opened open(Factors& factors, const Origin& start, bool is_again);
   void watch_guards(const Position& on);
   void take_guards(const Position& on);
   void find_parallel_ports();
@@ -249,7 +250,8 @@ class ExactSegment {
   Segment segment_;
   Locator locator_;
   Passage passage_;
-  bool located_ = false, hides_decay_ = false;  ///< its error hides what a decay that it begins with does to a guard
+  bool located_ = false;
+  double hidden_decay_ = 0.0;  ///< rate of a decay that it begins with, 1/s, if its error hides what that does to a guard
   std::vector<int> negative_, rising_, free_, idle_;
   std::vector<std::vector<int>> beside_;  ///< of each port those in parallel
   std::vector<double> left_out_;          ///< of guards: what a decay that is over, and its rounding, leave

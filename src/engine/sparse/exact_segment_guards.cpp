@@ -125,7 +125,7 @@ double ExactSegment::size_of_kind(int row, double input) const {
 void ExactSegment::leave_out_decays() {
   model::Mode& m = *mode_;
   const linalg::Vector& y = space_.first();
-  hides_decay_ = false;
+  hidden_decay_ = 0.0;
   left_out_.assign(static_cast<std::size_t>(m.guards.rows()), 0.0);
   later_noise_.assign(static_cast<std::size_t>(m.guards.rows()), INFINITY);
   const double input = largest_input();
@@ -150,7 +150,7 @@ void ExactSegment::leave_out_decays() {
     } else {
       const double of_slow = m.noise * std::max(share_of_norm * slow.norm() * y.norm(), slow.cwiseAbs().dot(y.cwiseAbs()));
       const double of_segment = estimate_ * m.guard_norm[row];
-      hides_decay_ |= of_segment > of_slow + rounding;
+      if (of_segment > of_slow + rounding) hidden_decay_ = part->slowest;
       later_noise_[static_cast<std::size_t>(row)] = (of_slow + rounding + of_segment) / (share_of_norm * size);
     }
   }
