@@ -11,12 +11,16 @@ namespace {
 using model::LinearForm;
 using Moved = model::NetworkMove::Item;
 
+/// F, a power of two near a microfarad: with 1 F the energy of a state at hundreds of volts is so far above that of a converter's stores
+/// that segments take these for rounding.
+constexpr double capacitance_of_fraction = 0x1p-20;
+
 std::string name_of(std::string_view part, std::string_view role) { return fmt::format("{}{}{}", part, part.empty() ? "" : " ", role); }
 
-/// An inner node with 1 F to ground: its voltage is a state, whose derivative is what is injected.
-model::NodeIndex add_state(Emission& emission, std::string_view name) {
+/// An inner node with a capacitor to ground: its voltage is a state, whose derivative is what is injected, in units of the capacitance.
+model::NodeIndex add_state(Emission& emission, std::string_view name, double capacitance) {
   const model::NodeIndex node = emission.inner_node(name);
-  emission.builder().add(model::Capacitor{emission.label(), node, model::ground, 1.0, false, 0.0});
+  emission.builder().add(model::Capacitor{emission.label(), node, model::ground, capacitance, false, 0.0});
   return node;
 }
 
@@ -87,7 +91,7 @@ double rate_of(const std::vector<Varied>& descending) {
 }  // namespace
 
 LinearForm add_integral(Emission& emission, std::string_view part, MovingForm input, const Integral& integral, const Resets& resets) {
-  const model::NodeIndex state = add_state(emission, name_of(part, "output"));
+  const model::NodeIndex state = add_state(emission, name_of(part, "output"), 1.0);
   auto& capacitors = emission.builder().network().capacitors;
   capacitors.back().has_initial = true;
   capacitors.back().initial_voltage = integral.start.value;
@@ -129,14 +133,14 @@ MovingForm add_transfer(Emission& emission, std::string_view part, const Rationa
   std::vector<MovingForm> state;
   std::vector<model::NodeIndex> node;
   for (std::size_t k = 0; k < order; ++k) {
-    node.push_back(add_state(emission, name_of(part, fmt::format("state {}", k + 1))));
+    node.push_back(add_state(emission, name_of(part, fmt::format("state {}", k + 1)), capacitance_of_fraction));
     state.emplace_back(model::voltage_between(node[k], model::ground));
     if (!den[k].is_nothing()) accumulate(highest, state[k], -den[k] / den[order]);
   }
   state.push_back(highest);
   MovingForm output;
   for (std::size_t k = 0; k <= order; ++k) {
-    if (k < order) inject(emission, node[k], scaled(state[k + 1], rate * unit));
+    if (k < order) inject(emission, node[k], scaled(state[k + 1], capacitance_of_fraction * rate * unit));
     if (!num[k].is_nothing()) accumulate(output, state[k], num[k]);
   }
   return output;

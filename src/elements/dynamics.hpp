@@ -1,6 +1,7 @@
 #pragma once
-/// Integrals, derivatives and rational functions of s in A elements and expressions. A state is the voltage of 1 F at an inner node, whose
-/// derivative is the injected current. `part` names the inner nodes of an element that has several of them.
+/// Integrals, derivatives and rational functions of s in A elements and expressions. A state is the voltage of a capacitor at an inner
+/// node that the injected current moves: of 1 F, or of less for fractions, with currents scaled alike. `part` names the inner nodes of an
+/// element that has several of them.
 
 #include <optional>
 #include <string>
