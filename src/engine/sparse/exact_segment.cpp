@@ -383,11 +383,11 @@ ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start, b
   start_rounding_ = space_.rounding_at_start();
   if (!(start_rounding_ <= tolerance::start_rounding * size_)) return Opened::unresolved;
   ++segments_;
-  vectors_ += static_cast<std::uint64_t>(space_.dimension());
   vectors_of_one_before_ = std::exchange(vectors_of_last_, expected_vectors());
   habits_[key_].vectors = vectors_of_last_;
   located_ = false;
   watch_guards(start.on);
+  vectors_ += static_cast<std::uint64_t>(space_.dimension());
   if (!is_again && time_constants_of_decay < hidden_decay_ * most_of_length_for_decay * length_) {
     habits_[key_].length = time_constants_of_decay / hidden_decay_;
     return open(factors, start, true);

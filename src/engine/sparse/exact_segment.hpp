@@ -208,9 +208,9 @@ class ExactSegment {
   void leave_out_decays();
   void note_rounding();
   void note_later_rounding();
-  [[nodiscard]] double noise_of_row(int row, double least, double input) const;
-  [[nodiscard]] double largest_input() const;
-  [[nodiscard]] double size_of_kind(int row, double input) const;
+  void note_terms();
+  [[nodiscard]] double noise_of_row(int row, double least) const;
+  [[nodiscard]] double size_of_kind(int row) const;
   [[nodiscard]] double terms_of(int row) const;
   [[nodiscard]] double node_rounding(int row) const;
   [[nodiscard]] double rounding_size(const WatchedControl& control) const;
@@ -254,6 +254,8 @@ class ExactSegment {
   double hidden_decay_ = 0.0;  ///< rate of a decay that it begins with, 1/s, if its error hides what that does to a guard
   std::vector<int> negative_, rising_, free_, idle_;
   std::vector<std::vector<int>> beside_;  ///< of each port those in parallel
+  linalg::Vector terms_;                  ///< of guards: the magnitudes that each is a sum of at the start
+  double input_ = 0.0;                    ///< the largest of those of currents
   std::vector<double> left_out_;          ///< of guards: what a decay that is over, and its rounding, leave
   std::vector<double> later_noise_;       ///< of guards that read a decay that is not, once it is; infinite: they do not
   double start_rounding_ = 0.0;           ///< √energy

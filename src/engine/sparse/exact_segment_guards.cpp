@@ -98,25 +98,28 @@ void ExactSegment::bound_guards() {
   m.guard_norm = m.guard_c_norm = m.guards.rowwise().norm();
   m.guard_block_norm.resize(m.guards.rows(), 0);
   m.input_block_norm.resize(0);
+  note_terms();
   leave_out_decays();
   note_rounding();
   for (const auto& [guard, factor] : muted_) m.guard_noise[guard] *= factor;
   if (m.guard_noise.size() > 0) m.noise = std::max(m.noise, m.guard_noise.maxCoeff());
 }
 
-/// The largest current of a port that is on, each with the terms of its row.
-double ExactSegment::largest_input() const {
-  double input = 0.0;
-  for (int i = 0; i < descriptor_.first_switch(); ++i)
-    if (on_[static_cast<std::size_t>(i)] != 0) input = std::max(input, linalg::absolute_row_times(mode_->guards, i, space_.first().data()));
-  return input;
+/// The terms of each row, and the largest current of a port that is on, with its own.
+void ExactSegment::note_terms() {
+  terms_.resize(mode_->guards.rows());
+  input_ = 0.0;
+  for (Eigen::Index i = 0; i < terms_.size(); ++i) {
+    terms_[i] = linalg::absolute_row_times(mode_->guards, i, space_.first().data());
+    if (i < descriptor_.first_switch() && on_[static_cast<std::size_t>(i)] != 0) input_ = std::max(input_, terms_[i]);
+  }
 }
 
-/// What a guard is measured against beside its own terms: those may be nothing but the rounding of what it is a difference of. `input`: the largest one.
-double ExactSegment::size_of_kind(int row, double input) const {
+/// What a guard is measured against beside its own terms: those may be nothing but the rounding of what it is a difference of.
+double ExactSegment::size_of_kind(int row) const {
   const int ports = descriptor_.first_switch();
   const double size = row >= ports ? rounding_size(controls_[static_cast<std::size_t>(row - ports)])
-                                   : (on_[static_cast<std::size_t>(row)] != 0 ? input : voltage_);
+                                   : (on_[static_cast<std::size_t>(row)] != 0 ? input_ : voltage_);
   return std::max(size, least_voltage_);
 }
 
@@ -125,22 +128,20 @@ double ExactSegment::size_of_kind(int row, double input) const {
 void ExactSegment::leave_out_decays() {
   model::Mode& m = *mode_;
   const linalg::Vector& y = space_.first();
+  const double norm = y.norm();
   hidden_decay_ = 0.0;
   left_out_.assign(static_cast<std::size_t>(m.guards.rows()), 0.0);
   later_noise_.assign(static_cast<std::size_t>(m.guards.rows()), INFINITY);
-  const double input = largest_input();
   std::vector<int> far;
-  for (const int row : segment_.rows) {
-    const double size = std::max(size_of_kind(row, input), linalg::absolute_row_times(m.guards, row, y.data()));
-    if (share_of_norm * m.guard_norm[row] * y.norm() > beyond_size * size) far.push_back(row);
-  }
+  for (const int row : segment_.rows)
+    if (share_of_norm * m.guard_norm[row] * norm > beyond_size * std::max(size_of_kind(row), terms_[row])) far.push_back(row);
   if (far.empty()) return;
   const std::optional<linalg::FastPart> part = linalg::fast_part(m.flow.a());
   if (!part) return;
   const linalg::Vector decays = part->coordinates * y;
   for (const int row : far) {
     const Eigen::RowVectorXd of_decays = m.guards.row(row) * part->fast, slow = m.guards.row(row) - of_decays * part->coordinates;
-    const double size = m.guard_norm[row] * y.norm(), rounding = tolerance::left_of_decay * size;
+    const double size = m.guard_norm[row] * norm, rounding = tolerance::left_of_decay * size;
     const double left = std::max(of_decays.cwiseAbs().dot(decays.cwiseAbs()), rounding);
     if (left <= m.noise * share_of_norm * size) {
       m.guards.row(row) = slow;
@@ -148,24 +149,24 @@ void ExactSegment::leave_out_decays() {
       m.guard_norm[row] = m.guard_c_norm[row] = slow.norm();
       left_out_[static_cast<std::size_t>(row)] = left;
     } else {
-      const double of_slow = m.noise * std::max(share_of_norm * slow.norm() * y.norm(), slow.cwiseAbs().dot(y.cwiseAbs()));
+      const double of_slow = m.noise * std::max(share_of_norm * slow.norm() * norm, slow.cwiseAbs().dot(y.cwiseAbs()));
       const double of_segment = estimate_ * m.guard_norm[row];
       if (of_segment > of_slow + rounding) hidden_decay_ = part->slowest;
       later_noise_[static_cast<std::size_t>(row)] = (of_slow + rounding + of_segment) / (share_of_norm * size);
     }
   }
+  note_terms();
 }
 
 /// Noise of each guard, against the terms of its own row, at the start.
 void ExactSegment::note_rounding() {
   model::Mode& m = *mode_;
-  const double input = largest_input();
   m.guard_noise.setConstant(m.guards.rows(), m.noise);
-  for (const int row : segment_.rows) m.guard_noise[row] = noise_of_row(row, m.noise, input);
+  for (const int row : segment_.rows) m.guard_noise[row] = noise_of_row(row, m.noise);
 }
 
 /// From `least` on.
-double ExactSegment::noise_of_row(int row, double least, double input) const {
+double ExactSegment::noise_of_row(int row, double least) const {
   const model::Mode& m = *mode_;
   const double norm = m.guard_norm[row] * space_.first().norm();
   if (!(norm > 0.0)) return least;
@@ -174,20 +175,19 @@ double ExactSegment::noise_of_row(int row, double least, double input) const {
   const double relaxed = is_input ? relaxation_ : 1.0;
   const double rounding = relaxed * (is_input ? tolerance::input_rounding : tolerance::voltage_rounding);
   const double held = row < ports && jump_voltage_ == 0.0 ? held_[static_cast<std::size_t>(row)] : 0.0;
-  const double known = std::max(
-      {rounding * size_of_kind(row, input), held, tolerance::jump_rounding * jump_voltage_, left_out_[static_cast<std::size_t>(row)]});
-  const double size = std::max(linalg::absolute_row_times(m.guards, row, space_.first().data()), share_of_norm * norm);
+  const double known =
+      std::max({rounding * size_of_kind(row), held, tolerance::jump_rounding * jump_voltage_, left_out_[static_cast<std::size_t>(row)]});
+  const double size = std::max(terms_[row], share_of_norm * norm);
   return std::max({relaxed * least, tolerance::row_rounding / share_of_norm * terms_of(row) / norm, known / size});
 }
 
 /// Of guards that are clear of zero while the start is in them: what it makes of a decay's size passes with it.
 void ExactSegment::note_later_rounding() {
-  const double input = largest_input();
   for (std::size_t i = 0; i < segment_.rows.size(); ++i) {
     const int row = segment_.rows[i];
     const double later = later_noise_[static_cast<std::size_t>(row)];
     if (segment_.departures[i].order != 0 || !(later < mode_->guard_noise[row])) continue;
-    mode_->guard_noise[row] = noise_of_row(row, later, input);
+    mode_->guard_noise[row] = noise_of_row(row, later);
   }
 }
 
