@@ -12,15 +12,15 @@ using model::LinearForm;
 using Moved = model::NetworkMove::Item;
 
 /// F, a power of two near a microfarad: with 1 F the energy of a state at hundreds of volts is so far above that of a converter's stores
-/// that segments take these for rounding.
-constexpr double capacitance_of_fraction = 0x1p-20;
+/// that segments take these for rounding, and what a stop pushes so far above its currents.
+constexpr double capacitance_of_state = 0x1p-20;
 
 std::string name_of(std::string_view part, std::string_view role) { return fmt::format("{}{}{}", part, part.empty() ? "" : " ", role); }
 
 /// An inner node with a capacitor to ground: its voltage is a state, whose derivative is what is injected, in units of the capacitance.
-model::NodeIndex add_state(Emission& emission, std::string_view name, double capacitance) {
+model::NodeIndex add_state(Emission& emission, std::string_view name) {
   const model::NodeIndex node = emission.inner_node(name);
-  emission.builder().add(model::Capacitor{emission.label(), node, model::ground, capacitance, false, 0.0});
+  emission.builder().add(model::Capacitor{emission.label(), node, model::ground, capacitance_of_state, false, 0.0});
   return node;
 }
 
@@ -29,13 +29,13 @@ void inject(Emission& emission, model::NodeIndex node, const MovingForm& current
   add_moves(emission.builder(), Moved::injection_form, index, current.moved);
 }
 
-/// A stop for the state: an input u ≥ 0 pushes while sign·(state − bound) is 0.
-void add_stop(Emission& emission, LinearForm& rate, model::NodeIndex state, double bound, double sign) {
+/// A stop for the state: an input u ≥ 0 in amperes pushes while sign·(state − bound) is 0.
+void add_stop(Emission& emission, LinearForm& current, model::NodeIndex state, double bound, double sign) {
   if (std::isinf(bound)) return;
   LinearForm slack = model::voltage_between(state, model::ground, sign);
   slack.push_back(model::constant(-sign * bound));
   const int index = emission.builder().add(model::Complementarity{emission.label(), std::move(slack)});
-  rate.push_back({Quantity::slack_input, index, sign});
+  current.push_back({Quantity::slack_input, index, sign});
 }
 
 /// A switch that holds the state at a value.
@@ -90,19 +90,20 @@ double rate_of(const std::vector<Varied>& descending) {
 
 }  // namespace
 
-LinearForm add_integral(Emission& emission, std::string_view part, MovingForm input, const Integral& integral, const Resets& resets) {
-  const model::NodeIndex state = add_state(emission, name_of(part, "output"), 1.0);
+LinearForm add_integral(Emission& emission, std::string_view part, const MovingForm& input, const Integral& integral, const Resets& resets) {
+  const model::NodeIndex state = add_state(emission, name_of(part, "output"));
   auto& capacitors = emission.builder().network().capacitors;
   capacitors.back().has_initial = true;
   capacitors.back().initial_voltage = integral.start.value;
   const int condition = emission.builder().add(model::NodeCondition{emission.label(), state, integral.start.value});
   add_moves(emission.builder(), Moved::initial_voltage, static_cast<int>(capacitors.size()) - 1, integral.start);
   add_moves(emission.builder(), Moved::node_condition, condition, integral.start);
-  add_stop(emission, input.form, state, integral.least, 1.0);
-  add_stop(emission, input.form, state, integral.most, -1.0);
+  MovingForm current = scaled(input, capacitance_of_state);
+  add_stop(emission, current.form, state, integral.least, 1.0);
+  add_stop(emission, current.form, state, integral.most, -1.0);
   if (resets.hold) add_hold(emission, state, integral.start, *resets.hold);
   if (resets.from != resets.to) add_range(emission, state, resets.from, resets.to);
-  inject(emission, state, input);
+  inject(emission, state, current);
   return model::voltage_between(state, model::ground);
 }
 
@@ -110,8 +111,8 @@ LinearForm add_derivative(Emission& emission, std::string_view part, const Movin
   const model::NodeIndex node = emission.inner_node(name_of(part, "input"));
   const int branch = emission.builder().add(model::Branch{emission.label(), node, model::ground, input.form});
   add_moves(emission.builder(), Moved::branch_form, branch, input.moved);
-  const int capacitor = emission.builder().add(model::Capacitor{emission.label(), node, model::ground, 1.0, false, 0.0});
-  return quantity(Quantity::capacitor_current, capacitor);
+  const int capacitor = emission.builder().add(model::Capacitor{emission.label(), node, model::ground, capacitance_of_state, false, 0.0});
+  return {{Quantity::capacitor_current, capacitor, 1.0 / capacitance_of_state}};
 }
 
 CanonicalForm canonical_form(const RationalFunction& fraction) {
@@ -133,14 +134,14 @@ MovingForm add_transfer(Emission& emission, std::string_view part, const Rationa
   std::vector<MovingForm> state;
   std::vector<model::NodeIndex> node;
   for (std::size_t k = 0; k < order; ++k) {
-    node.push_back(add_state(emission, name_of(part, fmt::format("state {}", k + 1)), capacitance_of_fraction));
+    node.push_back(add_state(emission, name_of(part, fmt::format("state {}", k + 1))));
     state.emplace_back(model::voltage_between(node[k], model::ground));
     if (!den[k].is_nothing()) accumulate(highest, state[k], -den[k] / den[order]);
   }
   state.push_back(highest);
   MovingForm output;
   for (std::size_t k = 0; k <= order; ++k) {
-    if (k < order) inject(emission, node[k], scaled(state[k + 1], capacitance_of_fraction * rate * unit));
+    if (k < order) inject(emission, node[k], scaled(state[k + 1], capacitance_of_state * rate * unit));
     if (!num[k].is_nothing()) accumulate(output, state[k], num[k]);
   }
   return output;

@@ -29,7 +29,7 @@ struct Resets {
   std::optional<Hold> hold{};
   double from = 0.0, to = 0.0;
 };
-[[nodiscard]] model::LinearForm add_integral(Emission& emission, std::string_view part, MovingForm input, const Integral& integral,
+[[nodiscard]] model::LinearForm add_integral(Emission& emission, std::string_view part, const MovingForm& input, const Integral& integral,
                                              const Resets& resets = {});
 [[nodiscard]] std::string twin_integral(Twin& twin, std::string_view part, std::string_view input, const Integral& integral);
 
