@@ -90,7 +90,8 @@ double rate_of(const std::vector<Varied>& descending) {
 
 }  // namespace
 
-LinearForm add_integral(Emission& emission, std::string_view part, const MovingForm& input, const Integral& integral, const Resets& resets) {
+LinearForm add_integral(Emission& emission, std::string_view part, const MovingForm& input, const Integral& integral,
+                        const Resets& resets) {
   const model::NodeIndex state = add_state(emission, name_of(part, "output"));
   auto& capacitors = emission.builder().network().capacitors;
   capacitors.back().has_initial = true;

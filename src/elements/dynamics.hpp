@@ -1,6 +1,6 @@
 #pragma once
 /// Integrals, derivatives and rational functions of s in A elements and expressions. A state is the voltage of a capacitor at an inner
-/// node that the injected current moves: of 1 F, or of less for fractions, with currents scaled alike. `part` names the inner nodes of an
+/// node that the injected current moves: of less than 1 F, with currents scaled alike. `part` names the inner nodes of an
 /// element that has several of them.
 
 #include <optional>

@@ -13,19 +13,26 @@ namespace pwlsim::model {
 
 namespace {
 
+/// Just before t = 0, by source.
+std::vector<double> values_before_start(const Network& network) {
+  const Exosystem sources(source_functions(network), true);
+  linalg::Vector zeta(sources.size());
+  sources.evaluate(sources.start(), 0.0, zeta.data());
+  const linalg::Vector values = sources.values(zeta);
+  return {values.begin(), values.end()};
+}
+
 /// Voltages to ground that branches of sources alone hold just before t = 0.
 class HeldPotentials {
  public:
   explicit HeldPotentials(const Network& network) : known_(network.nodes.size() + 1) {
     known_[0] = Potential{};
-    const Exosystem sources(source_functions(network), true);
-    linalg::Vector zeta(sources.size());
-    sources.evaluate(sources.start(), 0.0, zeta.data());
+    const std::vector<double> sources = values_before_start(network);
     for (const Branch& branch : network.branches) {
       if (!is_independent(branch.voltage)) continue;
       Potential voltage;
       for (const Term& term : branch.voltage)
-        voltage.add(term.coefficient * (term.kind == Term::Kind::one ? 1.0 : sources.rows().row(term.index).dot(zeta)));
+        voltage.add(term.coefficient * (term.kind == Term::Kind::one ? 1.0 : sources[static_cast<std::size_t>(term.index)]));
       steps_.push_back({branch.p, branch.n, voltage});
     }
     spread();
@@ -95,6 +102,13 @@ Network with_held_conditions(Network network) {
     l.n = middle;
     network.injections.push_back({c.label, middle, end, {{Term::Kind::one, 0, c.current}}});
   }
+  return network;
+}
+
+Network with_resting_sources(Network network) {
+  const std::vector<double> values = values_before_start(network);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!std::holds_alternative<Held>(network.sources[i].function)) network.sources[i].function = Dc{values[i]};
   return network;
 }
 

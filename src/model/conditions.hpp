@@ -9,6 +9,9 @@ namespace pwlsim::model {
 /// its current has no voltage of its own to offer (v = 0 is given up for i = value). The nodes in between are new.
 [[nodiscard]] Network with_held_conditions(Network network);
 
+/// Each source a constant, its value just before t = 0; what the run sets (model::Held) stays.
+[[nodiscard]] Network with_resting_sources(Network network);
+
 /// Without `ic=` values, which have no effect without uic. Stores that always start at their values keep them.
 [[nodiscard]] Network without_initial_values(Network network);
 

@@ -16,6 +16,7 @@ struct Equations {
   Matrix reduce;            ///< ξ = reduce·x_full of values that satisfy the constraints of stores
   /// ξ = start·x_full + start_sources·ζ of any values: the charge- and flux-conserving projection, which is orthogonal in a reciprocal network.
   Matrix start, start_sources;
+  bool reads_source_rates = false;  ///< a law of sources was differentiated: their rates of change drive states or unknowns
   double r0 = 1.0, tau0 = 1.0;
   /// Terminals and current unknown of each capacitor and inductor: with them, power into the stores is Σ v·i.
   struct StorePort {

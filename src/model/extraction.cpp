@@ -200,6 +200,7 @@ bool Extractor::take_constraints(const LeftNull& null) {
     f_.row(row).setZero();
     ha_.row(row).setZero();
     hw_.row(row) = nw.row(k) * assembly_.exosystem->a().cast<Wide>();
+    result_.equations.reads_source_rates = result_.equations.reads_source_rates || !hw_.row(row).isZero(0);
     hw_edge_.row(row) = nw.row(k);
     h_edge_.row(row) = nf.row(k);
   }

@@ -75,7 +75,7 @@ TEST_CASE("blocks with states", "[regression]") {
 }
 
 // A low pass by s_xfer and one by int, of time constant 1/rate, answer a step as 1 - exp(-rate t); an integral in no loop rises as rate t. The
-// state is a volt across a farad, whose current is small against R times the rate times a farad.
+// state is a volt across 2^-20 F, whose current is small against R times the rate times that.
 TEST_CASE("blocks keep their states however fast they are beside large resistors", "[regression]") {
   const auto [rate, resistance] = GENERATE(table<double, double>({{1e3, 1e6}, {1e5, 1e4}, {1e6, 1e3}, {1e6, 1e6}, {10.0, 1e9}}));
   const std::string cards = fmt::format(

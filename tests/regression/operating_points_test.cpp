@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "regression/deck_run.hpp"
@@ -140,5 +141,27 @@ C1 p n 1.98m
     INFO(row[0]);
     CHECK(row[1] == Approx(expected).epsilon(0).margin(rounding));
     for (std::size_t i = 2; i < row.size(); ++i) CHECK(std::abs(row[i]) < rounding / 26e-3);
+  }
+}
+
+// At rest sources do not move, and what a derivative makes of them is zero: v(n) begins at 0. From then on the low pass of τ = RC has at its input ω T cos(ωt) of 100 V, T = 50 µs:
+// v(n) = A (cos ωt + ωτ sin ωt − e^{−t/τ})/(1 + ω²τ²). The currents of the derivative of v(n) are no load, so that v(m) = v(n) of a sinusoid at the input has
+// v(m) = 100 V (sin ωt − ωτ cos ωt + ωτ e^{−t/τ})/(1 + ω²τ²).
+TEST_CASE("derivatives of sources are zero at the operating point", "[regression]") {
+  const std::string text =
+      "t\nV1 s 0 SIN(0 100 8k)\nB2 o 0 V={ddt(v(s))*50u}\nR1 o n 500\nC1 n 0 0.2u\nR2 s m 500\nC2 m 0 0.2u\nB3 q 0 V={ddt(v(m))*50u}\nR3 q "
+      "0 1k\n"
+      ".save v(n) v(m) v(q)\n.tran 10u 200u\n";
+  const double w = 2.0 * std::numbers::pi * 8e3, tau = 500.0 * 0.2e-6, turn = w * tau, size = 1.0 + turn * turn;
+  for (const DeckRun& run : {run_text(text), run_text_segments(text)}) {
+    INFO(run.messages << run.answer.message);
+    REQUIRE(run.answer.outcome == engine::Outcome::completed);
+    for (const auto& row : run.rows) {
+      const double sine = std::sin(w * row[0]), cosine = std::cos(w * row[0]), decay = std::exp(-row[0] / tau);
+      const double m = 100.0 * (sine - turn * cosine + turn * decay) / size;
+      CHECK(row[1] == Approx(100.0 * w * 50e-6 * (cosine + turn * sine - decay) / size).margin(1e-10 * 250.0));
+      CHECK(row[2] == Approx(m).margin(1e-10 * 100.0));
+      CHECK(row[3] == Approx((100.0 * sine - m) / tau * 50e-6).margin(1e-10 * 100.0));
+    }
   }
 }

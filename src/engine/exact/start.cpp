@@ -188,11 +188,11 @@ bool has_conditions(const model::Island& island) {
   return !island.network.node_conditions.empty() || !island.network.current_conditions.empty();
 }
 
-/// The island with its `.ic` values held by sources; behind its own signals come the capacitors' voltages and the inductors' currents.
+/// The island with its sources at rest and its `.ic` values held by sources; behind its own signals come the capacitors' voltages and the inductors' currents.
 model::Island with_conditions(const model::Island& island) {
   model::Island forced = island;
   model::Network& n = forced.network;
-  n = model::with_held_conditions(n);
+  n = model::with_held_conditions(model::with_resting_sources(n));
   for (std::size_t i = 0; i < n.capacitors.size(); ++i) {
     const auto& c = n.capacitors[i];
     n.signals.push_back({"", {{model::Term::Kind::node_voltage, c.p, 1.0}, {model::Term::Kind::node_voltage, c.n, -1.0}}});
@@ -267,12 +267,17 @@ bool starts_where_told(const IslandModel& island) {
   return std::any_of(capacitors.begin(), capacitors.end(), [](const model::Capacitor& c) { return c.starts_there; });
 }
 
-/// Islands as `.ic` forces them, by number. Null where that contradicts them; `start` says so.
+/// In its own equations sources that move would not be at rest, which only shows where their rates of change act.
+bool has_own_rest(const IslandModel& island) {
+  return !has_conditions(island.island) && (!island.extraction.equations.reads_source_rates || starts_where_told(island));
+}
+
+/// Islands as `.ic` forces them, or with sources at rest, by number. Null where `.ic` contradicts them; `start` says so.
 using Forced = std::map<std::size_t, model::Extraction>;
 std::optional<Forced> forced_islands(const ExactModel& model, RunStart& start) {
   Forced forced;
   for (std::size_t i = 0; i < model.islands.size(); ++i) {
-    if (!has_conditions(model.islands[i].island)) continue;
+    if (has_own_rest(model.islands[i])) continue;
     Diagnostics ignored;
     auto extraction = model::extract(with_conditions(model.islands[i].island), ignored);
     if (!extraction) {
