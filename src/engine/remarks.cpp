@@ -69,6 +69,12 @@ Remark starts_without_operating_point(const std::string& what) {
   return {"W-no-operating-point", what + ". It starts from the values of .ic, and from zero elsewhere; try uic, which also uses ic="};
 }
 
+Remark operating_point_not_unique(const std::string& part) {
+  return {"W-op-not-unique",
+          "the DC operating point of the part with " + part +
+              " is not unique (a loop without resistance or a floating capacitor); the run starts from the one of least energy"};
+}
+
 void ModeText::add(const std::string& name, bool is_on) {
   if (sides_.empty() || sides_.back().name != name) sides_.push_back({name, false});
   sides_.back().is_on |= is_on;

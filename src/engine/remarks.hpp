@@ -18,6 +18,9 @@ inline constexpr const char* no_operating_point = "E-no-operating-point";
 /// W-no-operating-point: `what` has none.
 [[nodiscard]] Remark starts_without_operating_point(const std::string& what);
 
+/// W-op-not-unique: `part`, as its island is called, has others.
+[[nodiscard]] Remark operating_point_not_unique(const std::string& part);
+
 /// Ends a run early.
 struct Ending {
   Outcome outcome = Outcome::completed;

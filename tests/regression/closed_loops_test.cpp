@@ -94,7 +94,7 @@ TEST_CASE("a latch waits for the gates before it", "[regression]") {
   const std::string deck =
       "latch\nVr r 0 PULSE(1 0 1u 10n 10n 4u 10u)\nA1 r 0 0 0 0 0 s 0 BUF\nA2 s r 0 0 0 0 q 0 SRFLOP\nR1 q o 1k\nC1 o 0 1n ic=0\n"
       ".tran 1u 20u uic\n.save v(q)\n.end\n";
-  for (const test::DeckRun& run : {test::run_text(deck), test::run_text_sparse(deck, 1e-5)}) {
+  for (const test::DeckRun& run : {test::run_text(deck), test::run_text_sparse(deck, 1e-5), test::run_text_segments(deck)}) {
     REQUIRE(run.answer.outcome == engine::Outcome::completed);
     REQUIRE(run.rows.size() == 21);
     for (const auto& row : run.rows) CHECK(std::abs(row[1]) < 0.5);

@@ -9,6 +9,7 @@
 
 #include "engine/exact/static_solution.hpp"
 #include "engine/exact/tolerances.hpp"
+#include "engine/remarks.hpp"
 #include "engine/switch_rounds.hpp"
 #include "model/conditions.hpp"
 
@@ -296,11 +297,7 @@ std::optional<Forced> forced_islands(const ExactModel& model, RunStart& start) {
 void take_solution(const IslandModel& island, const model::System& system, const StaticSolution& solution, bool has_before,
                    RunStart& start) {
   const model::System& s = island.extraction.system;
-  if (!solution.unique)
-    start.answer.remarks.push_back(
-        {"W-op-not-unique", fmt::format("the DC operating point of the part with {} is not unique (a loop without resistance or a "
-                                        "floating capacitor); the run starts from the one of least energy",
-                                        island_elements(s))});
+  if (!solution.unique) start.answer.remarks.push_back(operating_point_not_unique(island_elements(s)));
   start.xi.push_back(&system == &s ? Vector(solution.x.head(s.n)) : energy_from(island, system, solution));
   if (!has_before) return;
   std::vector<double>& values = start.signals.emplace_back();

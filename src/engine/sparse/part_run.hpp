@@ -215,6 +215,7 @@ class PartRun {
   [[nodiscard]] Sought seek_segment(const Beginning& beginning, Instant& instant, double h);
   [[nodiscard]] bool is_shared_by(const Point& step, double h) const;
   [[nodiscard]] bool flip_negative(Position on, int rounds);
+  [[nodiscard]] std::vector<std::size_t> first_negative() const;
   [[nodiscard]] bool find_after_steps(const Beginning& beginning, Instant& instant);
   [[nodiscard]] ExactSegment::Opened open_segment(const Position& on);
   struct Standing {

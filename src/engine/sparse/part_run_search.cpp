@@ -151,17 +151,11 @@ bool PartRun::settle_ties(const std::vector<double>& z, const Position& on, int 
 }
 
 /// Ports whose guards depart downwards change sides, a few rounds: diodes first, as what a control reads where they are on a wrong side says nothing, and a switch that it would open,
-/// a thyristor's latch, may stay open.
+/// a thyristor's latch, may stay open. Of controls those whose turn comes first.
 bool PartRun::flip_negative(Position on, int rounds) {
-  const auto ports = descriptor_.first_switch();
   std::vector<Position> seen{on};
   for (int round = 0; round < rounds; ++round) {
-    const std::vector<int>& negative = segment_->negative();
-    const bool has_diode = std::any_of(negative.begin(), negative.end(), [&](int guard) { return guard < ports; });
-    for (const int guard : negative) {
-      if (guard >= ports && has_diode) continue;
-      on[guard < ports ? static_cast<std::size_t>(guard) : controls_[static_cast<std::size_t>(guard - ports)].port] ^= 1;
-    }
+    for (const std::size_t port : first_negative()) on[port] ^= 1;
     descriptor_.hold_blocked(on);
     if (std::find(seen.begin(), seen.end(), on) != seen.end()) return false;
     seen.push_back(on);
@@ -171,6 +165,24 @@ bool PartRun::flip_negative(Position on, int rounds) {
     return true;
   }
   return false;
+}
+
+/// Of the ports whose guards depart downwards those that change sides next.
+std::vector<std::size_t> PartRun::first_negative() const {
+  const auto ports = descriptor_.first_switch();
+  std::vector<std::size_t> next;
+  std::vector<const WatchedControl*> controls;
+  for (const int guard : segment_->negative()) {
+    if (guard < ports)
+      next.push_back(static_cast<std::size_t>(guard));
+    else
+      controls.push_back(&controls_[static_cast<std::size_t>(guard - ports)]);
+  }
+  if (!next.empty() || controls.empty()) return next;
+  const auto first = *std::min_element(controls.begin(), controls.end(), [](const auto* a, const auto* b) { return a->turn < b->turn; });
+  for (const WatchedControl* control : controls)
+    if (control->turn == first->turn) next.push_back(control->port);
+  return next;
 }
 
 /// Ports that are free to conduct do, as in the exact engine, where they then carry something and nothing speaks against it: parallel diodes share their current.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "engine/sparse/tolerances.hpp"
@@ -10,7 +11,7 @@ namespace pwlsim::engine::sparse {
 
 namespace {
 
-constexpr int nowhere = -1, several = -2;  ///< nodes that a part hangs on
+constexpr int nowhere = -1;
 
 }  // namespace
 
@@ -44,7 +45,7 @@ RestingParts::RestingParts(const Descriptor& descriptor)
     edges_.push_back({b.p + 1, b.n + 1, b.voltage.empty(), is_source, -1, current, {}, !model::is_independent(b.voltage)});
   }
   for (const auto& injection : network.injections)
-    edges_.push_back({injection.p + 1, injection.n + 1, false, true, -1, {}, {}, !model::is_independent(injection.current)});
+    edges_.push_back({injection.p + 1, injection.n + 1, false, true, -1, {}, {}, !model::is_independent(injection.current), true});
   add_ports();
 }
 
@@ -54,7 +55,8 @@ void RestingParts::add_ports() {
     const bool is_ideal =
         std::all_of(port.slack.z.begin(), port.slack.z.end(), [&](const auto& part) { return part.index < descriptor_.nodes(); });
     const bool has_drop = port.slack.constant != 0.0 || !port.slack.w.empty();
-    edges_.push_back({port.p + 1, port.n + 1, is_ideal, has_drop, static_cast<int>(i), {port.row}});
+    const bool is_input = port.p == port.n;  // of a complementarity, which is no current between nodes
+    edges_.push_back({port.p + 1, port.n + 1, is_ideal, has_drop, static_cast<int>(i), {port.row}, {}, is_input});
   }
   for (std::size_t i = 0; i < edges_.size(); ++i) {
     const Edge& edge = edges_[i];
@@ -77,110 +79,161 @@ void RestingParts::find(const Position& on, const Origin& start, const std::vect
     holds_[i] = is_empty ? 0 : 1;
     any |= is_empty;
   }
-  if (!any || !merge(start)) return;
-  part_ = 0;
-  seen_.assign(edges_.size(), 0);
   rests_.assign(edges_.size(), 0);
-  for (std::size_t i = 0; i < states.size(); ++i)
-    if (holds_[i] == 0 && seen_[i] == 0 && rests(static_cast<int>(i), start)) add_part();
-  if (!nodes_.empty() || !currents_.empty()) take_out_ends();
+  if (any) {
+    merge();
+    find_blocks(start);
+  }
+  take_out_ends(start);
 }
 
-/// Nodes that are one. False: none are.
-bool RestingParts::merge(const Origin& start) {
-  const auto count = at_.size();
-  merged_ = DisjointSets(static_cast<int>(count));
-  bool any = false;
+/// Nodes that are one.
+void RestingParts::merge() {
+  const auto count = static_cast<int>(at_.size());
+  merged_ = DisjointSets(count);
   for (const int i : wires_) {
     const Edge& edge = edges_[static_cast<std::size_t>(i)];
-    any |= conducts(edge) && is_wire(edge) && merged_.join(edge.a, edge.b);
+    if (conducts(edge) && is_wire(edge)) merged_.join(edge.a, edge.b);
   }
-  if (!any) return false;
-  shared_.assign(count, 0);
-  charged_.assign(count, 0);
-  shared_[0] = 1;
-  for (int node = 1; node < static_cast<int>(count); ++node) {
-    const auto set = static_cast<std::size_t>(merged_.find(node));
-    if (static_cast<int>(set) != node) shared_[set] = 1;
-    if (!start.more.empty() && start.more[static_cast<std::size_t>(node - 1)] != 0.0) charged_[set] = 1;
-  }
-  return true;
+  members_.assign(at_.size(), {});
+  for (int node = 0; node < count; ++node) members_[static_cast<std::size_t>(merged_.find(node))].push_back(node);
 }
 
-/// False: it has been seen in a part that is not at rest, which this is then.
-bool RestingParts::enter(int edge) {
-  int& seen = seen_[static_cast<std::size_t>(edge)];
-  if (seen == 0) {
-    part_edges_.push_back(edge);
-    seen = part_;
+void RestingParts::find_blocks(const Origin& start) {
+  charged_.assign(at_.size(), 0);
+  if (!start.more.empty())
+    for (std::size_t node = 1; node < at_.size(); ++node)
+      if (start.more[node - 1] != 0.0) charged_[static_cast<std::size_t>(merged_.find(static_cast<int>(node)))] = 1;
+  conducting_.clear();
+  ends_.clear();
+  for (std::size_t i = 0; i < edges_.size(); ++i) {
+    const Edge& edge = edges_[i];
+    if (!conducts(edge) || is_wire(edge)) continue;
+    conducting_.push_back(static_cast<int>(i));
+    ends_.emplace_back(merged_.find(edge.a), merged_.find(edge.b));
   }
-  return seen == part_;
-}
-
-/// Whether the part of the network that a store is in is at rest: it is what can be reached from there without passing a node that hangs others.
-bool RestingParts::rests(int edge, const Origin& start) {
-  part_edges_.clear();
-  part_nodes_.clear();
-  part_hangs_on_ = nowhere;
-  ++part_;
-  bool moves = !enter(edge);
-  for (std::size_t k = 0; k < part_edges_.size(); ++k) {
-    const auto i = static_cast<std::size_t>(part_edges_[k]);
-    const Edge& at = edges_[i];
-    moves |= (i < descriptor_.states().size() && holds_[i] != 0) || is_source(at) || at.is_controlled;
-    if (!start.more.empty())
-      for (const int current : at.currents) moves |= start.more[static_cast<std::size_t>(current)] != 0.0;
-    for (const int other : at.coupled) moves |= !enter(other);
-    for (const int node : {at.a, at.b}) {
-      const int set = merged_.find(node);
-      moves |= charged_[static_cast<std::size_t>(set)] != 0;
-      if (shared_[static_cast<std::size_t>(set)] != 0) {
-        part_hangs_on_ = part_hangs_on_ == nowhere || part_hangs_on_ == set ? set : several;
-        continue;
-      }
-      part_nodes_.push_back(node);
-      for (const int next : at_[static_cast<std::size_t>(node)])
-        if (conducts(edges_[static_cast<std::size_t>(next)])) moves |= !enter(next);
+  const std::vector<Blocks::Block> blocks = Blocks(static_cast<int>(at_.size()), ends_).list();
+  std::vector<char> moving(blocks.size(), 0);
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    for (const int e : blocks[b].edges)
+      if (moves(static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)]), start)) moving[b] = 1;
+  spread(blocks, moving);
+  anchor_.assign(at_.size(), nowhere);
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const Blocks::Block& block = blocks[b];
+    const bool is_alone = block.edges.size() == 1 && !block.is_loop;
+    for (const int e : block.edges) {
+      const auto i = static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)]);
+      const Edge& edge = edges_[i];
+      // The unknown of a coupled inductor is what magnetises all of its windings.
+      if (moving[b] == 0 || (is_alone && !edge.is_injection && edge.coupled.empty() && !is_pushed(i, start))) rest(i);
     }
-    if (moves || part_hangs_on_ == several) return false;
-  }
-  return part_hangs_on_ >= 0;
-}
-
-/// The one just found.
-void RestingParts::add_part() {
-  for (const int node : part_nodes_) nodes_.emplace_back(node - 1, part_hangs_on_ - 1);
-  for (const int i : part_edges_) {
-    rests_[static_cast<std::size_t>(i)] = 1;
-    const std::vector<int>& currents = edges_[static_cast<std::size_t>(i)].currents;
-    currents_.insert(currents_.end(), currents.begin(), currents.end());
+    moving[b] == 0 ? rest_nodes(block) : follow_nodes(block);
   }
 }
 
-/// A wire at a node where nothing else moves carries nothing.
-void RestingParts::take_out_ends() {
-  std::vector<int> ends;
-  for (int node = 1; node < static_cast<int>(at_.size()); ++node) ends.push_back(node);
-  while (!ends.empty()) {
-    const int node = ends.back();
-    ends.pop_back();
-    int wire = nowhere, moving = 0;
+/// Whether impulses or charges beside the unknowns reach an edge.
+bool RestingParts::is_pushed(std::size_t edge, const Origin& start) {
+  const Edge& at = edges_[edge];
+  for (const int node : {at.a, at.b})
+    if (charged_[static_cast<std::size_t>(merged_.find(node))] != 0) return true;
+  return !start.more.empty() && std::any_of(at.currents.begin(), at.currents.end(),
+                                            [&](int current) { return start.more[static_cast<std::size_t>(current)] != 0.0; });
+}
+
+bool RestingParts::moves(std::size_t edge, const Origin& start) {
+  const Edge& at = edges_[edge];
+  return (edge < descriptor_.states().size() && holds_[edge] != 0) || is_source(at) || at.is_controlled || is_pushed(edge, start);
+}
+
+/// What moves moves the inductors that are coupled to it.
+void RestingParts::spread(const std::vector<Blocks::Block>& blocks, std::vector<char>& moving) {
+  std::vector<std::size_t> block_of(edges_.size(), 0), open;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    for (const int e : blocks[b].edges) block_of[static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)])] = b;
+    if (moving[b] != 0) open.push_back(b);
+  }
+  while (!open.empty()) {
+    const std::size_t b = open.back();
+    open.pop_back();
+    for (const int e : blocks[b].edges)
+      for (const int other : edges_[static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)])].coupled) {
+        const std::size_t next = block_of[static_cast<std::size_t>(other)];
+        if (std::exchange(moving[next], 1) == 0) open.push_back(next);
+      }
+  }
+}
+
+void RestingParts::rest(std::size_t edge) {
+  rests_[edge] = 1;
+  const std::vector<int>& currents = edges_[edge].currents;
+  currents_.insert(currents_.end(), currents.begin(), currents.end());
+}
+
+/// Nodes of a block that rests are at the voltage of the one that it hangs on.
+void RestingParts::rest_nodes(const Blocks::Block& block) {
+  for (const int set : sets_of(block)) {
+    anchor_[static_cast<std::size_t>(set)] = static_cast<int>(nodes_.size());
+    for (const int node : members_[static_cast<std::size_t>(set)]) nodes_.push_back({node - 1, block.hangs_on - 1});
+  }
+}
+
+/// Nodes of a block that moves go with the one that it hangs on.
+void RestingParts::follow_nodes(const Blocks::Block& block) {
+  const int anchor = anchor_[static_cast<std::size_t>(block.hangs_on)];
+  if (anchor == nowhere) return;
+  for (const int set : sets_of(block)) {
+    anchor_[static_cast<std::size_t>(set)] = anchor;
+    for (const int node : members_[static_cast<std::size_t>(set)]) nodes_[static_cast<std::size_t>(anchor)].followers.push_back(node - 1);
+  }
+}
+
+/// Without the one that it hangs on.
+const std::vector<int>& RestingParts::sets_of(const Blocks::Block& block) {
+  open_.clear();
+  for (const int e : block.edges)
+    for (const int set : {ends_[static_cast<std::size_t>(e)].first, ends_[static_cast<std::size_t>(e)].second})
+      if (set != block.hangs_on) open_.push_back(set);
+  std::sort(open_.begin(), open_.end());
+  open_.erase(std::unique(open_.begin(), open_.end()), open_.end());
+  return open_;
+}
+
+/// An element at a node where nothing else moves carries nothing, whatever is stored.
+void RestingParts::take_out_ends(const Origin& start) {
+  const auto has_more = [&](int unknown) { return !start.more.empty() && start.more[static_cast<std::size_t>(unknown)] != 0.0; };
+  ends_.clear();
+  open_.resize(at_.size() - 1);
+  std::iota(open_.begin(), open_.end(), 1);
+  while (!open_.empty()) {
+    const int node = open_.back();
+    open_.pop_back();
+    int last = nowhere, moving = 0;
     for (const int i : at_[static_cast<std::size_t>(node)])
       if (rests_[static_cast<std::size_t>(i)] == 0 && conducts(edges_[static_cast<std::size_t>(i)])) {
-        wire = i;
+        last = i;
         ++moving;
       }
-    if (node == 0 || moving != 1) continue;
-    const Edge& edge = edges_[static_cast<std::size_t>(wire)];
-    if (!is_wire(edge) || edge.a == edge.b) continue;
-    rests_[static_cast<std::size_t>(wire)] = 1;
-    currents_.insert(currents_.end(), edge.currents.begin(), edge.currents.end());
-    ends.push_back(edge.a == node ? edge.b : edge.a);
+    if (node == 0 || moving != 1 || has_more(node - 1)) continue;
+    const auto i = static_cast<std::size_t>(last);
+    const Edge& edge = edges_[i];
+    // The unknown of a coupled inductor is what magnetises all of its windings.
+    if (edge.a == edge.b || edge.is_injection || !edge.coupled.empty() || std::any_of(edge.currents.begin(), edge.currents.end(), has_more))
+      continue;
+    rest(i);
+    const int other = edge.a == node ? edge.b : edge.a;
+    if (i >= descriptor_.states().size() && !is_source(edge) && !edge.is_controlled) ends_.emplace_back(node, other);
+    open_.push_back(other);
   }
+  for (auto end = ends_.rbegin(); end != ends_.rend(); ++end) nodes_.push_back({end->first - 1, end->second - 1});
 }
 
 void RestingParts::hold(std::vector<double>& z) const {
-  for (const auto& [node, at] : nodes_) z[static_cast<std::size_t>(node)] = at >= 0 ? z[static_cast<std::size_t>(at)] : 0.0;
+  for (const Held& held : nodes_) {
+    const double value = held.at >= 0 ? z[static_cast<std::size_t>(held.at)] : 0.0,
+                 before = std::exchange(z[static_cast<std::size_t>(held.node)], value);
+    for (const int follower : held.followers) z[static_cast<std::size_t>(follower)] += value - before;
+  }
   for (const int current : currents_) z[static_cast<std::size_t>(current)] = 0.0;
 }
 

@@ -1,16 +1,17 @@
 #pragma once
 /// What is at rest in a position of the ports, exactly: parts of the network that exchange nothing with the rest.
 ///
-/// A conducting ideal diode, a closed ideal switch and a wire make one node of two. Where a part of the network hangs on the rest by one such node alone (or by ground), no current flows through
-/// that node into the part, and no voltage across the part is one of the rest: it is a circuit of its own, as what is behind a diode that conducts to ground. Without sources, controlled ones included, and with all its stores
-/// empty, it stays empty: all its voltages are that of the node, and all its currents zero. A solution of the equations with a factor of all of them leaves the rounding of the rest in it, which
-/// ideal ports there would take for signs.
+/// Blocks of the network (base/blocks.hpp) share single nodes, and what flows into all that hangs at such a node adds up to nothing: each block is a circuit of its own, but for controlled sources and
+/// coupled inductors. One without sources and with all its stores empty stays empty: its nodes are at one voltage, and its currents are zero. So is the current of an element that is a block alone, as
+/// one at which nothing else hangs. A conducting ideal diode, a closed ideal switch and a wire make one node of two. A solution of the equations with a factor of all of them leaves the rounding of the
+/// rest in what rests, which ideal ports there would take for signs, and capacitors add up.
 ///
 /// Storage that is less than the rounding of the rest counts as none.
 
 #include <utility>
 #include <vector>
 
+#include "base/blocks.hpp"
 #include "base/disjoint_sets.hpp"
 #include "engine/sparse/descriptor.hpp"
 
@@ -39,16 +40,26 @@ class RestingParts {
     std::vector<int> currents{};  ///< unknowns that are zero where it is at rest
     std::vector<int> coupled{};   ///< edges of inductors
     bool is_controlled = false;   ///< by what may lie anywhere, deviations included
+    bool is_injection = false;
   };
   void add_ports();
   [[nodiscard]] bool conducts(const Edge& edge) const { return edge.port < 0 || (*on_)[static_cast<std::size_t>(edge.port)] != 0; }
   [[nodiscard]] bool is_wire(const Edge& edge) const { return edge.is_wire && !is_source(edge); }
   [[nodiscard]] bool is_source(const Edge& edge) const { return has_sources_ && edge.is_source; }
-  [[nodiscard]] bool merge(const Origin& start);
-  [[nodiscard]] bool rests(int edge, const Origin& start);
-  [[nodiscard]] bool enter(int edge);
-  void add_part();
-  void take_out_ends();
+  struct Held {
+    int node, at;                  ///< unknowns of a node at rest, and of that whose voltage it has (−1: ground)
+    std::vector<int> followers{};  ///< nodes that hang on it and move
+  };
+  void merge();
+  void find_blocks(const Origin& start);
+  [[nodiscard]] bool moves(std::size_t edge, const Origin& start);
+  [[nodiscard]] bool is_pushed(std::size_t edge, const Origin& start);
+  void spread(const std::vector<Blocks::Block>& blocks, std::vector<char>& moving);
+  void rest(std::size_t edge);
+  void rest_nodes(const Blocks::Block& block);
+  void follow_nodes(const Blocks::Block& block);
+  [[nodiscard]] const std::vector<int>& sets_of(const Blocks::Block& block);
+  void take_out_ends(const Origin& start);
 
   const Descriptor& descriptor_;
   std::vector<Edge> edges_;
@@ -58,12 +69,14 @@ class RestingParts {
   const Position* on_ = nullptr;
   bool has_sources_ = true;
   DisjointSets merged_;
-  std::vector<char> shared_, charged_;  ///< of sets of nodes
-  std::vector<char> holds_, rests_;     ///< of edges: storage that is no rounding; at rest
-  std::vector<int> seen_;               ///< the number of the part in which they have been seen
-  std::vector<int> part_edges_, part_nodes_;
-  int part_ = 0, part_hangs_on_ = 0;
-  std::vector<std::pair<int, int>> nodes_;  ///< unknowns of nodes at rest, and that which they are at (−1: ground)
+  std::vector<std::vector<int>> members_;  ///< of merged nodes
+  std::vector<char> charged_;              ///< sets of nodes
+  std::vector<char> holds_, rests_;        ///< of edges: storage that is no rounding; at rest
+  std::vector<int> conducting_;            ///< edges between sets
+  std::vector<std::pair<int, int>> ends_;  ///< and their sets
+  std::vector<int> anchor_;                ///< of sets: the first of the nodes at rest that they hang on
+  std::vector<int> open_;                  ///< nodes to be looked at
+  std::vector<Held> nodes_;
   std::vector<int> currents_;
 };
 

@@ -32,6 +32,7 @@ Starts starts_of(const SparseModel& model, bool uic) {
     starts.parts.push_back(uic ? start_from_initial_values(part->island.network, part->descriptor)
                                : start_from_operating_point(part->island.network, part->descriptor));
     starts.missing.add(starts.parts.back().missing);
+    if (!starts.parts.back().is_unique) starts.answer.remarks.push_back(operating_point_not_unique(part->island.name));
     if (starts.parts.back().answer.outcome == Outcome::completed) continue;
     starts.answer = starts.parts.back().answer;
     starts.parts.clear();
@@ -104,7 +105,7 @@ OperatingPoint operating_point(const SparseModel& model) {
     for (std::size_t i = 0; i < starts.parts[k].signals.size(); ++i)
       result.values[static_cast<std::size_t>(model.parts[k]->island.signal_number[i])] += starts.parts[k].signals[i];
   result.answer = answer_of_operating_point(starts);
-  result.answer.remarks = model.remarks;
+  result.answer.remarks.insert(result.answer.remarks.begin(), model.remarks.begin(), model.remarks.end());
   return result;
 }
 

@@ -21,6 +21,9 @@ using model::Network;
 /// Sizes of the steps that find the operating point, in mean time constants, and what counts as rest.
 constexpr double first_step = 1e4, last_step = 1e14, step_growth = 1e2;
 constexpr int steps_of_a_size = 3;
+/// Beside the point that was found, of the largest voltage or of 1 V, and what is left of it after long steps where something does not lead back.
+constexpr double beside = 1e-4, shift_left = 0.01;
+constexpr int steps_back = 2;
 
 double mean_time(const Descriptor& d) {
   LogMean mean;
@@ -51,6 +54,9 @@ class RestFinder {
     problem = "the switches keep toggling";
     return false;
   }
+
+  /// Whether long steps from either side of the point that was found lead back to it. In a passive network, whose operating points are a convex set, they do only if it is the only one.
+  [[nodiscard]] bool is_unique() { return leads_back(beside) && leads_back(-beside); }
 
   Position on;
   std::vector<double> z;
@@ -85,6 +91,21 @@ class RestFinder {
       }
     problem = "no DC state exists with inductors short and capacitors open";
     return false;
+  }
+
+  [[nodiscard]] bool leads_back(double share) {
+    const double aside = share * (largest(z) > 0.0 ? largest(z) : 1.0), shift = 1.0 / (last_step * mean_time(descriptor_));
+    std::vector<double> right(z.size()), moved, before, reached = z;
+    for (std::size_t i = 0; i < z.size(); ++i) reached[i] += aside * std::sin(1.0 + 37.0 * static_cast<double>(i * i + 1));
+    Position position = on;
+    for (int step = 0; step < steps_back; ++step) {
+      before = reached;
+      descriptor_.rates(before.data(), w_.data(), right.data());
+      if (ports_.solve({shift, before, right, w_}, position, moved, reached) != Solved::yes) return true;
+    }
+    return std::all_of(descriptor_.states().begin(), descriptor_.states().end(), [&](const State& state) {
+      return std::abs(state.value(reached.data()) - state.value(z.data())) <= shift_left * std::abs(aside);
+    });
   }
 
   [[nodiscard]] bool rests(const std::vector<double>& before) const {
@@ -165,6 +186,7 @@ PartStart start_from_operating_point(const Network& network, const Descriptor& d
     return start;
   }
   start.on = point.on;
+  start.is_unique = point.is_unique();
   for (const State& state : system.states())
     start.states.push_back(state.value(point.z.data()) * (state.is_current ? descriptor.r0() / system.r0() : 1.0));
   for (const auto& signal : network.signals) start.signals.push_back(system.form(signal.form).value(point.z.data(), point.w().data()));

@@ -14,6 +14,7 @@ struct PartStart {
   Answer answer;               ///< outcome and remarks
   std::vector<double> states;  ///< in the order of Descriptor::states, in volts
   Position on;
+  bool is_unique = true;  ///< an operating point: no other one would do
   std::vector<double>
       unknowns{};               ///< of segments, in place of the states: the end of a run before, in that position; empty: from the states
   std::vector<double> signals;  ///< of the operating point, or of the end of a run before
