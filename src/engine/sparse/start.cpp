@@ -21,6 +21,7 @@ using model::Network;
 /// Sizes of the steps that find the operating point, in mean time constants, and what counts as rest.
 constexpr double first_step = 1e4, last_step = 1e14, step_growth = 1e2;
 constexpr int steps_of_a_size = 3;
+constexpr const char* no_rest = "no DC state exists with inductors short and capacitors open";
 
 double mean_time(const Descriptor& d) {
   LogMean mean;
@@ -69,22 +70,25 @@ class RestFinder {
         before = z;
         descriptor_.rates(before.data(), w_.data(), right.data());
         const Solved solved = ports_.solve({1.0 / (size * time), before, right, w_}, on, moved, z);
-        is_singular = solved == Solved::singular;
-        if (is_singular) {
-          const int unknown = factors_.singular_unknown();
-          problem = unknown >= 0 ? fmt::format("the equations do not determine {}", descriptor_.unknown_name(unknown))
-                                 : "the equations are singular";
-          return false;
-        }
         if (solved != Solved::yes) {
+          // What sources contradict is singular in any step; what only a long one finds singular is an inductor that is short by then.
+          is_singular = solved == Solved::singular && !(size > first_step);
+          problem = is_singular                  ? singular_problem()
+                    : solved == Solved::singular ? no_rest
+                                                 : "no position of the diodes satisfies the circuit";
           z = before;
-          problem = "no position of the diodes satisfies the circuit";
           return false;
         }
         if (step > 0 && rests(before)) return true;
       }
-    problem = "no DC state exists with inductors short and capacitors open";
+    problem = no_rest;
     return false;
+  }
+
+  [[nodiscard]] std::string singular_problem() const {
+    const int unknown = factors_.singular_unknown();
+    return unknown >= 0 ? fmt::format("the equations do not determine {}", descriptor_.unknown_name(unknown))
+                        : "the equations are singular";
   }
 
   [[nodiscard]] bool rests(const std::vector<double>& before) const {
