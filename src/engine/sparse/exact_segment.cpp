@@ -11,6 +11,7 @@
 #include "engine/sparse/stepper.hpp"
 #include "engine/sparse/tolerances.hpp"
 #include "linalg/factorisations.hpp"
+#include "linalg/fast_decays.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -67,7 +68,8 @@ ExactSegment::ExactSegment(const Descriptor& descriptor, const Sources& sources,
       controls_(controls),
       tolerance_(tolerance),
       stop_(stop),
-      space_(descriptor, sources.exosystem(), stop) {
+      space_(descriptor, sources.exosystem(), stop),
+      is_passive_(descriptor.passive()) {
   system_.exosystem = std::make_shared<model::Exosystem>(std::vector<model::SourceFunction>{}, false);
   held_.assign(static_cast<std::size_t>(descriptor.first_switch()), 0.0);
   find_parallel_ports();
@@ -190,18 +192,20 @@ double ExactSegment::tolerance_for(double length) const {
   return std::clamp(tolerances_of_run * length / stop_, 1.0, most_tolerances) * tolerance_;
 }
 
-/// Whether few vectors show ports far on the wrong side right after the start. Those that are visibly on the wrong side then fall.
+/// Whether few vectors show ports far on the wrong side right after the start, where their error is what the next vector shows of a port: a voltage that a constraint of currents decides
+/// may be wrong by far more than states are. Those that are visibly on the wrong side then fall.
 bool ExactSegment::has_wrong_signs() {
   space_.grow(vectors_of_signs);
   if (!space_.is_sound()) return false;
   std::vector<double> z, w;
   space_.unknowns(space_.first().data(), z);
   sources_.evaluate(start_, w);
+  const std::vector<double> next = space_.next_unknowns();
   const auto& ports = descriptor_.ports();
   const auto count = static_cast<std::size_t>(descriptor_.first_switch());
   double input = least_voltage_;
   for (std::size_t i = 0; i < count; ++i) input = std::max(input, std::abs(z[static_cast<std::size_t>(ports[i].row)]));
-  const double margin = std::max(tolerance::clear_sign, share_of_error * space_.error_at_start() / size_);
+  const double error = share_of_error * space_.error_at_start(), margin = std::max(tolerance::clear_sign, error / size_);
   negative_.clear();
   bool is_clear = false;
   for (std::size_t i = 0; i < count; ++i) {
@@ -209,7 +213,7 @@ bool ExactSegment::has_wrong_signs() {
     const double value = ports[i].free_variable(is_on, z.data(), w.data());
     if (value >= 0.0 || ports[i].blocks(on_)) continue;
     const double size = is_on ? input : std::max(least_voltage_, ports[i].slack_size(z.data(), w.data()));
-    is_clear |= value < -margin * size;
+    is_clear |= value < -std::max(margin * size, error * std::abs(ports[i].response(is_on, next.data())));
     if (value < -tolerance::clear_sign * size) negative_.push_back(static_cast<int>(i));
   }
   return is_clear;
@@ -388,15 +392,22 @@ ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start, b
   located_ = false;
   watch_guards(start.on);
   vectors_ += static_cast<std::uint64_t>(space_.dimension());
-  if (!is_again && time_constants_of_decay < hidden_decay_ * most_of_length_for_decay * length_) {
-    habits_[key_].length = time_constants_of_decay / hidden_decay_;
-    return open(factors, start, true);
-  }
+  if (!is_again && ends_with_decay()) return open(factors, start, true);
   judge_start();
   note_later_rounding();
   if (is_again || !is_undecided_by_habit(start.longest)) return Opened::yes;
   habits_[key_].length = 0.0;
   return open(factors, start, true);
+}
+
+/// Whether a decay that hides a guard has a segment of its own, which the habit is then made for.
+bool ExactSegment::ends_with_decay() {
+  const double longest = most_of_length_for_decay * length_ / time_constants_of_decay;
+  double rate = hidden_decay_;
+  if (outlasts_decay_) rate = std::max(rate, linalg::find_cut(linalg::rates_by_speed(space_.flow().a()), longest, 0.0).fast_rate);
+  if (!(rate * longest > 1.0)) return false;
+  habits_[key_].length = time_constants_of_decay / rate;
+  return true;
 }
 
 /// With as many vectors as a decay asks for that a guard behind a leak reads.

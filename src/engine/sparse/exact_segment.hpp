@@ -199,11 +199,13 @@ class ExactSegment {
   [[nodiscard]] bool has_digits();
   void note_all_decays();
   [[nodiscard]] Opened open(Factors& factors, const Origin& start, bool is_again);
+  [[nodiscard]] bool ends_with_decay();
   void watch_guards(const Position& on);
   void take_guards(const Position& on);
   void find_parallel_ports();
   [[nodiscard]] bool is_short_circuited(int row) const;
   void drop_empty_guards();
+  [[nodiscard]] bool outlasts_decay(const std::vector<int>& rows);
   void bound_guards();
   void leave_out_decays();
   void note_rounding();
@@ -231,6 +233,7 @@ class ExactSegment {
   double voltage_ = 0.0, current_ = 0.0;            ///< largest voltage, and other unknown, of the point it starts from, volts
   double most_voltage_ = 0.0, most_current_ = 0.0;  ///< the largest of those in the run
   Position on_;
+  bool is_passive_ = false;
   bool takes_positive_ = false, refines_ = false;
   bool has_all_decays_ = false;  ///< of all rates: all vectors there are do not resolve them at the usual γ
   int passing_ = -1;
@@ -251,7 +254,8 @@ class ExactSegment {
   Locator locator_;
   Passage passage_;
   bool located_ = false;
-  double hidden_decay_ = 0.0;  ///< rate of a decay that it begins with, 1/s, if its error hides what that does to a guard
+  double hidden_decay_ = 0.0;    ///< rate of a decay that it begins with, 1/s, if its error hides what that does to a guard
+  bool outlasts_decay_ = false;  ///< a guard is rounding beside that decay, and none once it is over
   std::vector<int> negative_, rising_, free_, idle_;
   std::vector<std::vector<int>> beside_;  ///< of each port those in parallel
   linalg::Vector terms_;                  ///< of guards: the magnitudes that each is a sum of at the start

@@ -1,7 +1,9 @@
 /// ExactSegment: its guards, their rounding, and their signs at the start.
 #include <algorithm>
 #include <cmath>
+#include <span>
 
+#include "base/arithmetic.hpp"
 #include "engine/sparse/exact_segment.hpp"
 #include "engine/sparse/tolerances.hpp"
 #include "linalg/balance.hpp"
@@ -14,8 +16,8 @@ namespace {
 constexpr double noise_of_tolerance = 10.0;  ///< terms of a guard, against the tolerance
 constexpr double share_of_norm = 0.1;
 constexpr double beyond_size = 1e3;  ///< times what a guard is measured against, its noise by the norms of row and state hides it
-constexpr double beyond_held = 2.0;  ///< of a slack that was held at zero: what is no rounding of it
-constexpr int most_derivatives = 4;  ///< at the start: what begins with a higher power of time is at rest until it is visible
+constexpr double beyond_held = 2.0;   ///< of a slack that was held at zero: what is no rounding of it
+constexpr int most_derivatives = 4;   ///< at the start: what begins with a higher power of time is at rest until it is visible
 
 }  // namespace
 
@@ -66,6 +68,7 @@ void ExactSegment::drop_empty_guards() {
       std::none_of(segment_.rows.begin(), segment_.rows.end(), [&](int row) { return is_on(row) && reach(row) > node_rounding(row); });
   free_.clear();
   idle_.clear();
+  std::vector<int> small;
   std::erase_if(segment_.rows, [&](int row) {
     const bool is_short = is_short_circuited(row);
     const double size = is_on(row) ? input : voltage;
@@ -73,7 +76,24 @@ void ExactSegment::drop_empty_guards() {
                                                              tolerance::largest_empty_row * size);
     if (is_empty && is_on(row)) idle_.push_back(row);
     if (is_empty && !is_on(row) && (is_short || node_terms_ > least_voltage_)) free_.push_back(row);
+    if (is_empty && !is_short && reach(row) > tolerance::unknown_rounding * least_voltage_) small.push_back(row);
     return is_empty;
+  });
+  outlasts_decay_ = !small.empty() && outlasts_decay(small);
+}
+
+/// Whether one of these guards, which are rounding beside what the segment begins with, is none beside what is left at its end.
+bool ExactSegment::outlasts_decay(const std::vector<int>& rows) {
+  std::vector<double> y(space_.first().begin(), space_.first().end()), z;
+  work_.resize(2 * y.size());
+  space_.flow().apply_once(length_, y.data(), work_.data());
+  space_.unknowns(y.data(), z);
+  const double voltage = largest(std::span(z).first(static_cast<std::size_t>(descriptor_.nodes())));
+  double input = 0.0;
+  for (const DescriptorPort& port : descriptor_.ports()) input = std::max(input, std::abs(z[static_cast<std::size_t>(port.row)]));
+  return std::any_of(rows.begin(), rows.end(), [&](int row) {
+    const double size = on_[static_cast<std::size_t>(row)] != 0 ? input : voltage;
+    return std::abs(guard(row, y)) > tolerance::unknown_rounding * std::max(size, least_voltage_);
   });
 }
 
@@ -262,7 +282,7 @@ bool ExactSegment::is_taken_back(int row) const { return row == passing_ && on_ 
 
 /// Whether its port alone has changed sides. What the port begins with is then a multiple of what was zero when it passed, so that it is zero, be it the voltage that rounding of a current makes
 /// across a leak.
-bool ExactSegment::begins_at_zero(int row) const { return row == passing_ && passed_zero_ && on_ == passed_to_; }
+bool ExactSegment::begins_at_zero(int row) const { return is_passive_ && row == passing_ && passed_zero_ && on_ == passed_to_; }
 
 /// Signs right after the start: the first derivative that is not rounding decides. A parabola that dips no deeper than rounding does not fall.
 void ExactSegment::judge_start() {

@@ -132,6 +132,12 @@ std::vector<double> KrylovSpace::first_unknowns() const {
   return z;
 }
 
+std::vector<double> KrylovSpace::next_unknowns() const {
+  std::vector<double> z(static_cast<std::size_t>(descriptor_.size()), 0.0);
+  if (has_next_) Eigen::Map<Vector>(z.data(), vectors_.rows()) = vectors_.col(dimension_);
+  return z;
+}
+
 std::vector<double> KrylovSpace::impulses() const {
   const Vector c = norm_ * k_.col(0);  // (1 − γ A_m)⁻¹ = 1 + H takes y(0) to norm·e₁
   std::vector<double> z(static_cast<std::size_t>(descriptor_.size()));

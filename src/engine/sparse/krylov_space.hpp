@@ -104,6 +104,8 @@ class KrylovSpace {
   [[nodiscard]] const std::vector<Checkpoint>& estimate(double length);
   /// h|b(0)|, the error at once, as far as that can be told before the space is full.
   [[nodiscard]] double error_at_start() const { return h_ * std::abs(last_row_.dot(first_)); }
+  /// z_{m+1}, which the error is along; zero where the space is full.
+  [[nodiscard]] std::vector<double> next_unknowns() const;
   /// Of a form: its row on y. Without its sources and constant.
   [[nodiscard]] linalg::Vector row_of_unknowns(const Form& form) const;
   /// factor · the value of a form, or of one unknown, + offset.

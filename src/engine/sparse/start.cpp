@@ -24,6 +24,7 @@ constexpr int steps_of_a_size = 3;
 /// Beside the point that was found, of the largest voltage or of 1 V, and what is left of it after long steps where something does not lead back.
 constexpr double beside = 1e-4, shift_left = 0.01;
 constexpr int steps_back = 2;
+constexpr const char* no_rest = "no DC state exists with inductors short and capacitors open";
 
 double mean_time(const Descriptor& d) {
   LogMean mean;
@@ -75,21 +76,18 @@ class RestFinder {
         before = z;
         descriptor_.rates(before.data(), w_.data(), right.data());
         const Solved solved = ports_.solve({1.0 / (size * time), before, right, w_}, on, moved, z);
-        is_singular = solved == Solved::singular;
-        if (is_singular) {
-          const int unknown = factors_.singular_unknown();
-          problem = unknown >= 0 ? fmt::format("the equations do not determine {}", descriptor_.unknown_name(unknown))
-                                 : "the equations are singular";
-          return false;
-        }
         if (solved != Solved::yes) {
+          // What sources contradict is singular in any step; what only a long one finds singular is an inductor that is short by then.
+          is_singular = solved == Solved::singular && !(size > first_step);
+          problem = is_singular                  ? singular_problem()
+                    : solved == Solved::singular ? no_rest
+                                                 : "no position of the diodes satisfies the circuit";
           z = before;
-          problem = "no position of the diodes satisfies the circuit";
           return false;
         }
         if (step > 0 && rests(before)) return true;
       }
-    problem = "no DC state exists with inductors short and capacitors open";
+    problem = no_rest;
     return false;
   }
 
@@ -106,6 +104,12 @@ class RestFinder {
     return std::all_of(descriptor_.states().begin(), descriptor_.states().end(), [&](const State& state) {
       return std::abs(state.value(reached.data()) - state.value(z.data())) <= shift_left * std::abs(aside);
     });
+  }
+
+  [[nodiscard]] std::string singular_problem() const {
+    const int unknown = factors_.singular_unknown();
+    return unknown >= 0 ? fmt::format("the equations do not determine {}", descriptor_.unknown_name(unknown))
+                        : "the equations are singular";
   }
 
   [[nodiscard]] bool rests(const std::vector<double>& before) const {
