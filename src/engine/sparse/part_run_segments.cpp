@@ -83,7 +83,7 @@ Point PartRun::point_of_segment(double tau, double time) {
   point.time = time;
   const std::vector<double>& y = segment_->at(tau);
   segment_->unknowns(y, point.z);
-  segment_->rates(y, point.k);
+  segment_->rates(y, point.k, point.k_sizes);
   sources_.evaluate(time, point.w);
   return point;
 }
