@@ -423,21 +423,27 @@ class SegmentSearch {
 
   /// False where the map has no derivative.
   bool find_leading(DerivativeSpace& space, LeadingPairs& found) {
-    auto& [pairs, known] = found;
     while (!space.is_full() && space.dimension() < most_for_multipliers) {
       if (!space.grow()) {
+        look(space, found);
+        if (space.dimension() > 0 && found.known == found.pairs.size()) break;  // the vector that cannot be followed is what rounding leaves
         orbit_.kink = map_.failure();
         return false;
       }
       for (const auto& beside : map_.beside()) note(beside);
       if (space.dimension() % looks_apart != 0 && !space.is_full()) continue;
-      pairs = space.pairs();
-      known = 0;
-      while (known < pairs.size() && pairs[known].residual <= tolerance::known_multiplier * std::max(1.0, std::abs(pairs[known].value)))
-        ++known;
-      if (known >= leading) break;
+      look(space, found);
+      if (found.known >= leading) break;
     }
     return true;
+  }
+
+  static void look(const DerivativeSpace& space, LeadingPairs& found) {
+    auto& [pairs, known] = found;
+    pairs = space.pairs();
+    known = 0;
+    while (known < pairs.size() && pairs[known].residual <= tolerance::known_multiplier * std::max(1.0, std::abs(pairs[known].value)))
+      ++known;
   }
 
   void add_multiplier(const DerivativeSpace& space, const DerivativeSpace::Pair& pair) {
