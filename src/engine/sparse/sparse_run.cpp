@@ -80,7 +80,8 @@ bool SparseRun::begin(const std::vector<PartStart>& starts) {
       return fail(track.run.failure());
     }
     if (has_before) note_before_start(track, start);
-    projected |= track.run.start_projected() && request_.use_initial_conditions;
+    projected |=
+        track.run.start_projected() && request_.use_initial_conditions && start.unknowns.empty();  // none is written where a run goes on
     order_.push_back(i);
   }
   if (has_before) hand_over_start();
