@@ -378,9 +378,9 @@ class SegmentSearch {
       orbit_.uncertainty = std::max(orbit_.uncertainty, share_of_unit(space->solve(1.0).delta));
   }
 
-  /// The largest of a deviation's stores, of the largest of its unit at the end of the lap.
+  /// The largest of a deviation's stores, of the largest of its unit in the lap.
   [[nodiscard]] double share_of_unit(const Vector& deviation) const {
-    const Vector values = map_.values(map_.energies(map_.unknowns(end_))), apart = map_.values(map_.energies(deviation));
+    const Vector values = map_.largest_values(), apart = map_.values(map_.energies(deviation));
     std::map<std::string, double> largest;
     const auto& stores = map_.stores();
     for (std::size_t i = 0; i < stores.size(); ++i) {

@@ -132,6 +132,7 @@ void PartRun::record_begin(const Point& first) {
   record.rates_at_begin = rates_at(first);
   record.size = segment_->size();
   if (records_->size() == 1) record.unknowns_at_begin = first.z;
+  for (const sparse::State& state : descriptor_.states()) record.stores_at_begin.push_back(state.value(first.z.data()));
 }
 
 /// E z' as the equations have it: an error of z makes one in what is fast there, which decays. The rounding of z' in what decays fast is in all of E z'.
