@@ -136,16 +136,21 @@ TEST_CASE("the error of an orbit by Krylov segments is relative to the largest o
   CHECK(told.json["pss"]["uncertainty"].number <= 1e-12);
 }
 
-// Each period S1 takes C1's charge, 1 nF (10 V)(1 - e^-6), and 10 mA for 4 us; R1 carries no impulse.
+// Each period S1 takes C1's charge, 1 nF (10 V)(1 - e^-6), and 10 mA for 4 us; R1 carries no impulse. The source of current is a part without unknowns: what was before t = 0 is known of it, too, so
+// that the jump there counts, and the edge of the gate.
 TEST_CASE("an orbit that begins with a jump has no start to project by Krylov segments", "[regression]") {
   const Scratch scratch;
-  const Told told = told_by_segments(scratch,
-                                     "snubber\nV1 in 0 10\nR1 in a 1k\nC1 a 0 1n\nS1 a 0 g 0 SW\nVg g 0 PULSE(0 1 0 0 0 4u 10u)\n.model SW "
-                                     "SW(Vt=0.5)\n.pss points=10\n.meas pss q INTEG i(S1)\n.meas pss least MIN i(R1)\n.save v(a)\n.end\n");
+  const Told told =
+      told_by_segments(scratch,
+                       "snubber\nV1 in 0 10\nR1 in a 1k\nC1 a 0 1n\nS1 a 0 g 0 SW\nVg g 0 PULSE(0 1 0 0 0 4u 10u)\nI1 x 0 1\nR2 "
+                       "x 0 1\n.model SW SW(Vt=0.5)\n.pss points=10\n.meas pss q INTEG i(S1)\n.meas pss least MIN i(R1)\n.meas "
+                       "pss edge WHEN v(g)=0.3 CROSS=2\n.meas pss source AVG i(I1)\n.save v(a) i(I1)\n.end\n");
   CHECK_THAT(told.err, !Contains("W-start-projected"));
   CHECK_THAT(told.err, !Contains("W-impulse-left-out"));
   CHECK(measured(told.json, "q") == Approx(1e-8 * (1.0 - std::exp(-6.0)) + 4e-8).epsilon(1e-9));
   CHECK(measured(told.json, "least") == Approx(0.01 * std::exp(-6.0)).epsilon(1e-9));
+  CHECK(measured(told.json, "edge") == Approx(4e-6).epsilon(1e-12));
+  CHECK(measured(told.json, "source") == Approx(1.0).epsilon(1e-12));
 }
 
 // A snubber that S1 shorts each period, behind windings that are not perfectly coupled: its 12 nF carry all of the impulse, the supply's capacitor with 32 milliohm and the diodes none.

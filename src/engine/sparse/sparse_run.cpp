@@ -68,10 +68,9 @@ std::string SparseRun::mode_text() const {
 
 bool SparseRun::begin(const std::vector<PartStart>& starts) {
   bool projected = false;
-  const auto has_signals = [&](const PartStart& start) {
-    return start.missing.empty() && (!request_.use_initial_conditions || !start.unknowns.empty());
-  };
-  const bool has_before = request_.probes.sink != nullptr && std::all_of(starts.begin(), starts.end(), has_signals);
+  bool has_before = request_.probes.sink != nullptr;
+  for (std::size_t i = 0; i < tracks_.size(); ++i)
+    has_before = has_before && starts[i].missing.empty() && starts[i].signals.size() == tracks_[i]->part.island.signal_number.size();
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Track& track = *tracks_[i];
     const PartStart& start = starts[i];
