@@ -361,6 +361,7 @@ class SegmentSearch {
 
   Orbit finish() {
     orbit_.verdict = Verdict::found;
+    for (std::size_t i = 0; i < state_.size(); ++i) state_[i].signals = end_[i].signals;  // of a step they are those of the lap before
     orbit_.residual = norm_ / orbit_.largest;
     take_uncertainty();
     take_multipliers();
@@ -426,7 +427,8 @@ class SegmentSearch {
     while (!space.is_full() && space.dimension() < most_for_multipliers) {
       if (!space.grow()) {
         look(space, found);
-        if (space.dimension() > 0 && found.known == found.pairs.size()) break;  // the vector that cannot be followed is what rounding leaves
+        if (space.dimension() > 0 && found.known == found.pairs.size())
+          break;  // the vector that cannot be followed is what rounding leaves
         orbit_.kink = map_.failure();
         return false;
       }

@@ -153,6 +153,19 @@ TEST_CASE("an orbit that begins with a jump has no start to project by Krylov se
   CHECK(measured(told.json, "source") == Approx(1.0).epsilon(1e-12));
 }
 
+// S1 closes at t = 0, before which v(a) is the supply's voltage and that of C1, and takes v(a) through 7.7 V. The search begins far from there.
+TEST_CASE("what was before t = 0 of an orbit by Krylov segments is its end", "[regression]") {
+  const Scratch scratch;
+  const Told told = told_by_segments(
+      scratch,
+      "flyback\nV1 src 0 11.3\nLs src in 2.38e-06\nCin in 0 8.11e-06 Rser=0.00799\nVg1 g1 0 PULSE(0 1 0 0 0 1.856018e-06 5e-06)\nLp in a "
+      "1.455e-05\nLq 0 b 1.48425e-05\nK1 Lp Lq 1\nS1 a 0 g1 0 SW\nD1 b out DX\nC1 out 0 7.05e-06\nR1 out 0 2.33\n.model DX D()\n.model SW "
+      "SW(Vt=0.5 Ron=0.00165 Roff=415000)\n.pss points=60 uic\n.meas pss falls WHEN v(a)=7.7 CROSS=1\n.meas pss rises WHEN v(a)=7.7 "
+      "CROSS=2\n.end\n");
+  CHECK(measured(told.json, "falls") == 0.0);
+  CHECK(measured(told.json, "rises") == Approx(1.856018e-6).epsilon(1e-12));
+}
+
 // A snubber that S1 shorts each period, behind windings that are not perfectly coupled: its 12 nF carry all of the impulse, the supply's capacitor with 32 milliohm and the diodes none.
 TEST_CASE("currents that carry no impulse have none by Krylov segments", "[regression]") {
   const Scratch scratch;
