@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "model/tolerances.hpp"
 
@@ -17,6 +18,24 @@ bool positive_minors(const Matrix& m) {
   const Matrix without = m.bottomRightCorner(rest, rest);
   return positive_minors(without) &&
          positive_minors(linalg::clean_sum(without, -m.bottomLeftCorner(rest, 1) / m(0, 0), m.topRightCorner(1, rest)));
+}
+
+/// How many elements end at each node.
+std::vector<int> ends_at_nodes(const Network& network) {
+  std::vector<int> ends(network.nodes.size(), 0);
+  const auto count = [&](const auto& elements) {
+    for (const auto& element : elements)
+      for (const NodeIndex node : {element.p, element.n})
+        if (node != ground) ++ends[static_cast<std::size_t>(node)];
+  };
+  count(network.resistors);
+  count(network.capacitors);
+  count(network.inductors);
+  count(network.branches);
+  count(network.injections);
+  count(network.diodes);
+  count(network.switches);
+  return ends;
 }
 
 }  // namespace
@@ -61,8 +80,12 @@ bool has_positive_principal_minors(Matrix m) {
 bool has_passive_parts_only(const Network& network) {
   const auto is_source = [](const Injection& injection) { return is_independent(injection.current); };
   const auto no_gain = [](const auto& element) { return element.resistance >= 0.0; };
+  const std::vector<int> ends = ends_at_nodes(network);
+  const auto is_alone_at = [&](NodeIndex node) { return node != ground && ends[static_cast<std::size_t>(node)] == 1; };
   const auto branch_has_no_gain = [&](std::size_t index) {
-    return std::all_of(network.branches[index].voltage.begin(), network.branches[index].voltage.end(), [&](const Term& term) {
+    const Branch& branch = network.branches[index];
+    if (is_alone_at(branch.p) || is_alone_at(branch.n)) return true;  // it carries no current
+    return std::all_of(branch.voltage.begin(), branch.voltage.end(), [&](const Term& term) {
       const bool own_resistance =
           term.kind == Term::Kind::branch_current && term.index == static_cast<int>(index) && term.coefficient >= 0.0;
       return is_independent(term) || own_resistance;

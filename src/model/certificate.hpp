@@ -22,7 +22,8 @@ inline constexpr int most_ports_for_minors = 20;
 [[nodiscard]] bool has_positive_principal_minors(Matrix m);
 
 /// Whether the network consists of resistances ≥ 0, diodes, switches and independent sources besides its stores: then, with stores of
-/// positive energy, it is passive whatever the rounding of its matrices.
+/// positive energy, it is passive whatever the rounding of its matrices. A controlled source of voltage with nothing else at one of its nodes only computes
+/// a number.
 [[nodiscard]] bool has_passive_parts_only(const Network& network);
 
 }  // namespace pwlsim::model

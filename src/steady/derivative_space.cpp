@@ -13,6 +13,7 @@ constexpr Eigen::Index columns_at_once = 16;  ///< columns at once
 
 /// Of least norm where the matrix is singular.
 linalg::Vector least_squares(const linalg::Matrix& m, const linalg::Vector& right) {
+  if (m.cols() == 0) return {};
   Eigen::CompleteOrthogonalDecomposition<linalg::Matrix> decomposition;
   decomposition.setThreshold(tolerance::zero_singular_value);
   decomposition.compute(m);
@@ -29,13 +30,13 @@ DerivativeSpace::DerivativeSpace(const Operator& phi, const Vector& start) : phi
   const Vector x = phi.measure(start);
   norm_ = x.norm();
   full_ = !(norm_ > 0.0);
-  if (full_) return;
   vectors_.resize(start.size(), columns_at_once);
   mapped_.resize(start.size(), columns_at_once);
   measured_.resize(x.size(), columns_at_once);
+  h_ = Matrix::Zero(1, 0);
+  if (full_) return;
   vectors_.col(0) = start / norm_;
   measured_.col(0) = x / norm_;
-  h_ = Matrix::Zero(1, 0);
 }
 
 bool DerivativeSpace::grow() {
@@ -63,6 +64,7 @@ linalg::Matrix DerivativeSpace::shifted(double s) const {
 }
 
 double DerivativeSpace::residual(double s) const {
+  if (!(norm_ > 0.0)) return 0.0;
   Vector right = Vector::Zero(dimension_ + 1);
   right[0] = 1.0;
   const Matrix m = shifted(s);
@@ -93,6 +95,7 @@ std::vector<DerivativeSpace::Pair> DerivativeSpace::pairs() const {
 }
 
 linalg::Vector DerivativeSpace::part_at_one(double width) const {
+  if (dimension_ == 0) return {};
   const Eigen::EigenSolver<Matrix> eigen(Matrix(h_.topRows(dimension_)));
   Eigen::VectorXcd right = Eigen::VectorXcd::Zero(dimension_);
   right[0] = norm_;

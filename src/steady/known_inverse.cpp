@@ -32,6 +32,7 @@ bool KnownInverse::map(Vector& y) const {
 
 void KnownInverse::learn(const DerivativeSpace& space) {
   const int m = space.dimension();
+  if (m == 0) return;
   if (count_ + m > most_known) forget();
   const Matrix one = Matrix::Identity(m, m), inverse = Eigen::PartialPivLU<Matrix>(one - space.reduced()).inverse();
   if (!(tolerance::zero_singular_value * inverse.norm() <= 1.0)) return;  // 1 − Φ has none there

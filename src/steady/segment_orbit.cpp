@@ -361,6 +361,7 @@ class SegmentSearch {
 
   Orbit finish() {
     orbit_.verdict = Verdict::found;
+    for (std::size_t i = 0; i < state_.size(); ++i) state_[i].signals = end_[i].signals;  // of a step they are those of the lap before
     orbit_.residual = norm_ / orbit_.largest;
     take_uncertainty();
     take_multipliers();
@@ -378,9 +379,9 @@ class SegmentSearch {
       orbit_.uncertainty = std::max(orbit_.uncertainty, share_of_unit(space->solve(1.0).delta));
   }
 
-  /// The largest of a deviation's stores, of the largest of its unit at the end of the lap.
+  /// The largest of a deviation's stores, of the largest of its unit in the lap.
   [[nodiscard]] double share_of_unit(const Vector& deviation) const {
-    const Vector values = map_.values(map_.energies(map_.unknowns(end_))), apart = map_.values(map_.energies(deviation));
+    const Vector values = map_.largest_values(), apart = map_.values(map_.energies(deviation));
     std::map<std::string, double> largest;
     const auto& stores = map_.stores();
     for (std::size_t i = 0; i < stores.size(); ++i) {
@@ -423,21 +424,28 @@ class SegmentSearch {
 
   /// False where the map has no derivative.
   bool find_leading(DerivativeSpace& space, LeadingPairs& found) {
-    auto& [pairs, known] = found;
     while (!space.is_full() && space.dimension() < most_for_multipliers) {
       if (!space.grow()) {
+        look(space, found);
+        if (space.dimension() > 0 && found.known == found.pairs.size())
+          break;  // the vector that cannot be followed is what rounding leaves
         orbit_.kink = map_.failure();
         return false;
       }
       for (const auto& beside : map_.beside()) note(beside);
       if (space.dimension() % looks_apart != 0 && !space.is_full()) continue;
-      pairs = space.pairs();
-      known = 0;
-      while (known < pairs.size() && pairs[known].residual <= tolerance::known_multiplier * std::max(1.0, std::abs(pairs[known].value)))
-        ++known;
-      if (known >= leading) break;
+      look(space, found);
+      if (found.known >= leading) break;
     }
     return true;
+  }
+
+  static void look(const DerivativeSpace& space, LeadingPairs& found) {
+    auto& [pairs, known] = found;
+    pairs = space.pairs();
+    known = 0;
+    while (known < pairs.size() && pairs[known].residual <= tolerance::known_multiplier * std::max(1.0, std::abs(pairs[known].value)))
+      ++known;
   }
 
   void add_multiplier(const DerivativeSpace& space, const DerivativeSpace::Pair& pair) {

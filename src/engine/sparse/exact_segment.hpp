@@ -117,7 +117,7 @@ class ExactSegment {
   /// y at τ, and what is made of it.
   [[nodiscard]] const std::vector<double>& at(double tau);
   void unknowns(const std::vector<double>& y, std::vector<double>& z) const { space_.unknowns(y.data(), z); }
-  void rates(const std::vector<double>& y, std::vector<double>& k) { space_.rates(y.data(), k); }
+  void rates(const std::vector<double>& y, std::vector<double>& k, std::vector<double>& sizes) { space_.rates(y.data(), k, sizes); }
   /// The rows of signals, without their sources, in `values`.
   void set_signals(const std::vector<Form>& signals);
   [[nodiscard]] double signal(std::size_t i, const std::vector<double>& y) const;

@@ -181,7 +181,8 @@ void Factors::find_open(Entry& entry) {
 
 /// Ports that may tell a position from that of a factor that it is reached from.
 std::size_t Factors::most_flips(const Factor& base) const {
-  if (!keeps_digits_) return most_closings;
+  const bool has_unknowns = descriptor_.size() > 0;  // the part of sources alone has none where only currents of current sources are saved
+  if (!keeps_digits_ || !has_unknowns) return most_closings;
   return std::max(most_closings, columns_of_factor * base.klu_->entries() / static_cast<std::size_t>(descriptor_.size()));
 }
 

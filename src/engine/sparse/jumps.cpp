@@ -50,18 +50,24 @@ double stored_energy(const Part& part, const std::vector<double>& values) {
   return energy;
 }
 
-/// The largest charge, and the largest flux, that stores took.
+/// The largest charge, and the largest flux, that stores took. Infinite where what stores of that kind took, in √energy, is less than a share of what the others did: it is rounding.
 struct Taken {
   double charge = 0.0, flux = 0.0;
 };
 
-Taken taken(const Part& part, const std::vector<double>& before, const std::vector<double>& after) {
+Taken taken(const Part& part, const std::vector<double>& before, const std::vector<double>& after, double share) {
   Taken result;
+  double of_charges = 0.0, of_fluxes = 0.0;
   for (std::size_t i = 0; i < before.size(); ++i) {
     const State& state = part.descriptor.states()[i];
+    const double content = std::abs(after[i] - before[i]) * (state.flux.empty() ? std::abs(state.storage) : 1.0);
     double& largest = state.is_current ? result.flux : result.charge;
-    largest = std::max(largest, std::abs(after[i] - before[i]) * (state.flux.empty() ? std::abs(state.storage) : 1.0));
+    double& all = state.is_current ? of_fluxes : of_charges;
+    largest = std::max(largest, content);
+    if (state.storage != 0.0) all = std::hypot(all, content / std::sqrt(std::abs(state.storage)));
   }
+  if (of_charges < share * of_fluxes) result.charge = INFINITY;
+  if (of_fluxes < share * of_charges) result.flux = INFINITY;
   return result;
 }
 
@@ -89,7 +95,7 @@ Jump describe_jump(const Part& part, const JumpEnds& ends, const JumpSteps& step
   const std::vector<double> before = store_values(part.descriptor, ends.before), after = store_values(part.descriptor, ends.after);
   Jump jump;
   jump.time = ends.time;
-  jump.impulses = impulses(part, steps, taken(part, before, after), share);
+  jump.impulses = impulses(part, steps, taken(part, before, after, share), share);
   for (std::size_t i = 0; i < before.size(); ++i)
     if (std::abs(after[i] - before[i]) > share * std::max(std::abs(before[i]), std::abs(after[i])))
       jump.states.push_back({store_name(part, i), before[i], after[i]});

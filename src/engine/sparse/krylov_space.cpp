@@ -357,11 +357,13 @@ double KrylovSpace::rounding_at_start() {
   return rounding_of_sums(sizes_);
 }
 
-void KrylovSpace::rates(const double* y, std::vector<double>& k) {
+void KrylovSpace::rates(const double* y, std::vector<double>& k, std::vector<double>& sizes) {
   const Vector slope = flow_.a() * Eigen::Map<const Vector>(y, dimension_);
   unknowns(slope.data(), right_);
   k.resize(right_.size());
+  sizes.resize(right_.size());
   descriptor_.memory(right_.data(), k.data());
+  descriptor_.memory_sizes(right_.data(), sizes.data());
 }
 
 }  // namespace pwlsim::engine::sparse

@@ -133,9 +133,9 @@ class KrylovSpace {
   [[nodiscard]] double loss() const;
   /// Of the states in the unknowns at y(0), in the norm of the space: vectors may hold impulses of voltage that cancel.
   [[nodiscard]] double rounding_at_start();
-  /// z and E z' at y.
+  /// z, and E z' with |E| |z'|, at y.
   void unknowns(const double* y, std::vector<double>& z) const;
-  void rates(const double* y, std::vector<double>& k);
+  void rates(const double* y, std::vector<double>& k, std::vector<double>& sizes);
 
  private:
   [[nodiscard]] static double coupling_of(const model::Network& network);

@@ -252,6 +252,7 @@ class PartRun {
   void note_segment_impulses();
   void add_error(double tau);
   void record_begin(const Point& first);
+  [[nodiscard]] std::vector<double> rates_at(const Point& point) const;
   void record_end(const Point& last, double tau, const ExactSegment::Passage& passage);
   [[nodiscard]] FallingGuard falling(int guard, double rate) const;
 

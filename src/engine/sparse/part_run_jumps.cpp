@@ -138,8 +138,15 @@ bool PartRun::moves(const std::vector<double>& states, const std::vector<double>
 void PartRun::note_segment_impulses() {
   impulses_.assign(signals_.size(), 0.0);
   if (jump_impulses_.empty()) return;
+  std::vector<double> most(jump_impulses_.size());
+  const auto nodes = static_cast<std::ptrdiff_t>(descriptor_.nodes());
+  const std::span all(jump_impulses_);
+  std::fill(most.begin(), most.begin() + nodes, largest(all.first(static_cast<std::size_t>(nodes))));
+  std::fill(most.begin() + nodes, most.end(), largest(all.subspan(static_cast<std::size_t>(nodes))));
   for (std::size_t i = 0; i < signals_.size(); ++i) {
-    const double impulse = Form::sum(signals_[i].z, jump_impulses_.data()), terms = Form::size_of(signals_[i].z, jump_terms_.data());
+    const auto& form = signals_[i].z;
+    const double impulse = Form::sum(form, jump_impulses_.data());
+    const double terms = std::max(Form::size_of(form, jump_terms_.data()), Form::size_of(form, most.data()));
     if (std::abs(impulse) > tolerance::step_rounding * terms) impulses_[i] = impulse;
   }
 }

@@ -83,7 +83,7 @@ Point PartRun::point_of_segment(double tau, double time) {
   point.time = time;
   const std::vector<double>& y = segment_->at(tau);
   segment_->unknowns(y, point.z);
-  segment_->rates(y, point.k);
+  segment_->rates(y, point.k, point.k_sizes);
   sources_.evaluate(time, point.w);
   return point;
 }
@@ -129,9 +129,20 @@ void PartRun::record_begin(const Point& first) {
   record.shift = 1.0 / segment_->step_length();
   record.refines = segment_->is_refined();
   record.begin = segment_->start();
-  record.rates_at_begin = first.k;
+  record.rates_at_begin = rates_at(first);
   record.size = segment_->size();
   if (records_->size() == 1) record.unknowns_at_begin = first.z;
+  for (const sparse::State& state : descriptor_.states()) record.stores_at_begin.push_back(state.value(first.z.data()));
+}
+
+/// E z' as the equations have it: an error of z makes one in what is fast there, which decays. The rounding of z' in what decays fast is in all of E z'.
+std::vector<double> PartRun::rates_at(const Point& point) const {
+  std::vector<double> rates(point.z.size());
+  descriptor_.rates(point.z.data(), point.w.data(), rates.data());
+  const std::vector<char> is_differential = descriptor_.differential_rows();
+  for (std::size_t i = 0; i < rates.size(); ++i)
+    if (is_differential[i] == 0) rates[i] = 0.0;
+  return rates;
 }
 
 void PartRun::record_end(const Point& last, double tau, const ExactSegment::Passage& passage) {

@@ -184,6 +184,22 @@ std::size_t PeriodMap::segments() const {
   return count;
 }
 
+Vector PeriodMap::largest_values() const {
+  Vector most = Vector::Zero(static_cast<Eigen::Index>(stores_.size()));
+  Eigen::Index first = 0;
+  for (std::size_t i = 0; i < records_.size(); ++i) {
+    const Descriptor& descriptor = model_->parts[i]->descriptor;
+    const auto& states = descriptor.states();
+    for (const SegmentRecord& record : records_[i])
+      for (std::size_t k = 0; k < states.size(); ++k) {
+        double& largest = most[first + static_cast<Eigen::Index>(k)];
+        largest = std::max(largest, std::abs(record.stores_at_begin[k]) / (states[k].is_current ? descriptor.r0() : 1.0));
+      }
+    first += static_cast<Eigen::Index>(states.size());
+  }
+  return most;
+}
+
 Vector PeriodMap::values(const Vector& energies) const {
   Vector values = energies;
   for (std::size_t i = 0; i < stores_.size(); ++i)

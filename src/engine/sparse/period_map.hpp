@@ -69,6 +69,8 @@ class PeriodMap {
   };
   /// As `energies` has them.
   [[nodiscard]] const std::vector<Store>& stores() const { return stores_; }
+  /// The largest of each, in V and A, where segments of the run kept begin.
+  [[nodiscard]] linalg::Vector largest_values() const;
   /// V and A of √J.
   [[nodiscard]] linalg::Vector values(const linalg::Vector& energies) const;
   /// The segments of the run kept, part by part, and its unknowns just after t = 0.

@@ -15,6 +15,9 @@ namespace {
 
 /// Vectors at which the error is looked at.
 constexpr std::array<int, 13> deviation_dimensions{2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 28, 35, 45};
+/// Of the shift of the run's own segment: what an event leaves in decays that are far faster than the segment is no small part of a deviation, and a step that
+/// goes past them tells little of it.
+constexpr std::array<double, 5> shift_factors{1.0, 0x1p8, 0x1p16, 0x1p24, 0x1p32};
 constexpr int smoothing_steps = 6;
 constexpr double least_deviation_share = 1e-4;  ///< of a segment: a shorter part is none
 
@@ -60,7 +63,7 @@ bool SegmentDeviation::smooth(const std::vector<SegmentRecord>& records, std::ve
   more_.clear();
   for (int step = 0; step < smoothing_steps; ++step) {
     z_ = z;
-    if (!open(first, first.on, 1.0)) return false;
+    if (!open(first, first.on, first.shift, 1.0)) return false;
     if (is_gone()) return true;
     z = space_.first_unknowns();
   }
@@ -68,30 +71,36 @@ bool SegmentDeviation::smooth(const std::vector<SegmentRecord>& records, std::ve
 }
 
 /// The space of z_ and more_ in a position.
-bool SegmentDeviation::open(const SegmentRecord& record, const Position& on, double length) {
-  const Factor* factor = factors_.at(record.shift, on);
+bool SegmentDeviation::open(const SegmentRecord& record, const Position& on, double shift, double length) {
+  const Factor* factor = factors_.at(shift, on);
   space_.refine_all(record.refines);
   double unused = 0.0;
-  const bool is_open = factor && space_.begin(*factor, record.shift, on, {z_, more_, zeta_}, scale_) == KrylovSpace::Begun::yes;
+  const bool is_open = factor && space_.begin(*factor, shift, on, {z_, more_, zeta_}, scale_) == KrylovSpace::Begun::yes;
   if (!is_open) failure_ = fmt::format("a deviation does not fit the position at t = {} s", record.begin);
   more_.clear();
   if (is_open) scale_ = std::max(scale_, space_.start_size());
-  return is_open && (length > 0.0 || resolve(1.0 / record.shift, unused));
+  return is_open && (length > 0.0 || resolve(1.0 / shift, unused));
 }
 
-/// Grows the space until its error is within the tolerance over the length, or over a part of it.
+/// Grows the space until its error is within the tolerance over the length, or over a part of it. Vectors that are nothing but rounding may make it worse.
 bool SegmentDeviation::resolve(double length, double& reached) {
   reached = length;
   if (is_gone()) return true;
   double error = INFINITY;
+  int best = 0;
   for (const int m : deviation_dimensions) {
     space_.grow(m);
     if (!space_.is_sound()) break;
-    const auto& points = space_.estimate(length);
-    error = 0.0;
-    for (const auto& point : points) error = std::max(error, point.error);
-    if (error <= tolerance::known_deviation * scale_) break;
-    if (!space_.is_full() && m < deviation_dimensions.back()) continue;
+    if (const double now = largest_error(length); now < error) {
+      error = now;
+      best = space_.dimension();
+    }
+    if (error <= tolerance::known_deviation * scale_ || space_.is_full()) break;
+  }
+  if (best == 0) return false;
+  if (best < space_.dimension()) space_.shrink(best);
+  const auto& points = space_.estimate(length);
+  if (error > tolerance::known_deviation * scale_) {
     reached = 0.0;
     double part = 0.0;
     for (const auto& point : points) {
@@ -101,26 +110,40 @@ bool SegmentDeviation::resolve(double length, double& reached) {
     }
     if (reached < least_deviation_share * length && error <= tolerance::rounded_deviation * scale_) reached = length;
     if (reached < length) error = part;
-    break;
   }
+  if (reached < least_deviation_share * length) return false;
   worst_ = std::max(worst_, error / scale_);
-  return space_.is_sound() && error <= tolerance::rounded_deviation * scale_ && reached >= least_deviation_share * length;
+  return error <= tolerance::rounded_deviation * scale_;
+}
+
+double SegmentDeviation::largest_error(double length) {
+  double error = 0.0;
+  for (const auto& point : space_.estimate(length)) error = std::max(error, point.error);
+  return error;
+}
+
+/// The space of what is left of a segment, as far as it reaches. False: failed.
+bool SegmentDeviation::open_rest(const SegmentRecord& record, double done, double& reached) {
+  const double left = record.length - done;
+  const std::vector<double> more = more_;
+  for (const double factor : shift_factors) {
+    more_ = more;
+    if (!open(record, record.on, factor * record.shift, std::max(left, 0.0) + 1.0)) return false;
+    has_decayed_ = is_gone();
+    if (has_decayed_ || resolve(left > 0.0 ? left : 1.0 / record.shift, reached)) return true;
+  }
+  failure_ = fmt::format("a deviation cannot be followed from t = {} s on", record.begin + done);
+  return false;
 }
 
 bool SegmentDeviation::propagate(const SegmentRecord& record) {
   for (double done = 0.0;;) {
-    const double left = record.length - done;
     double reached = 0.0;
-    if (!open(record, record.on, std::max(left, 0.0) + 1.0)) return false;
-    has_decayed_ = is_gone();
+    if (!open_rest(record, done, reached)) return false;
     if (has_decayed_) return true;
-    if (!resolve(left > 0.0 ? left : 1.0 / record.shift, reached)) {
-      failure_ = fmt::format("a deviation cannot be followed from t = {} s on", record.begin + done);
-      return false;
-    }
     y_.assign(space_.first().begin(), space_.first().end());
     work_.resize(2 * y_.size());
-    const double step = std::min(reached, std::max(left, 0.0));
+    const double left = record.length - done, step = std::min(reached, std::max(left, 0.0));
     space_.flow().apply_once(step, y_.data(), work_.data());
     space_.unknowns(y_.data(), z_);
     done += step;
@@ -132,7 +155,7 @@ bool SegmentDeviation::is_gone() const { return !(space_.start_size() > toleranc
 
 /// A jump in a position, of the deviation.
 bool SegmentDeviation::project(const SegmentRecord& record, const Position& on) {
-  if (!open(record, on, 0.0)) return false;
+  if (!open(record, on, record.shift, 0.0)) return false;
   if (is_gone()) return true;
   y_.assign(space_.first().begin(), space_.first().end());
   space_.unknowns(y_.data(), z_);

@@ -40,8 +40,10 @@ class SegmentDeviation {
   [[nodiscard]] const std::vector<Beside>& beside() const { return beside_; }
 
  private:
-  [[nodiscard]] bool open(const SegmentRecord& record, const Position& on, double length);
+  [[nodiscard]] bool open(const SegmentRecord& record, const Position& on, double shift, double length);
+  [[nodiscard]] bool open_rest(const SegmentRecord& record, double done, double& reached);
   [[nodiscard]] bool resolve(double length, double& reached);
+  [[nodiscard]] double largest_error(double length);
   [[nodiscard]] bool propagate(const SegmentRecord& record);
   [[nodiscard]] bool project(const SegmentRecord& record, const Position& on);
   [[nodiscard]] bool pass(const SegmentRecord& before, const SegmentRecord& after);

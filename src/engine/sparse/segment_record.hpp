@@ -24,6 +24,7 @@ struct SegmentRecord {
   double size = 0.0;                                 ///< the largest √energy of its begin and end
   std::vector<double> rates_at_begin, rates_at_end;  ///< E z'
   std::vector<double> unknowns_at_begin;             ///< of the first
+  std::vector<double> stores_at_begin;               ///< values of its states there, in volts
   std::vector<FallingGuard> guards;  ///< the one that ended it, then others that are at zero there; none: a time that depends on no state
   bool ends_unknown = false;         ///< neither a guard nor a known time ended it: as far as it can be said
 };

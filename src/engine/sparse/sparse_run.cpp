@@ -68,10 +68,9 @@ std::string SparseRun::mode_text() const {
 
 bool SparseRun::begin(const std::vector<PartStart>& starts) {
   bool projected = false;
-  const auto has_signals = [&](const PartStart& start) {
-    return start.missing.empty() && (!request_.use_initial_conditions || !start.unknowns.empty());
-  };
-  const bool has_before = request_.probes.sink != nullptr && std::all_of(starts.begin(), starts.end(), has_signals);
+  bool has_before = request_.probes.sink != nullptr;
+  for (std::size_t i = 0; i < tracks_.size(); ++i)
+    has_before = has_before && starts[i].missing.empty() && starts[i].signals.size() == tracks_[i]->part.island.signal_number.size();
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Track& track = *tracks_[i];
     const PartStart& start = starts[i];
@@ -80,7 +79,8 @@ bool SparseRun::begin(const std::vector<PartStart>& starts) {
       return fail(track.run.failure());
     }
     if (has_before) note_before_start(track, start);
-    projected |= track.run.start_projected() && request_.use_initial_conditions;
+    projected |=
+        track.run.start_projected() && request_.use_initial_conditions && start.unknowns.empty();  // none is written where a run goes on
     order_.push_back(i);
   }
   if (has_before) hand_over_start();
@@ -149,6 +149,7 @@ Answer SparseRun::run(const std::vector<PartStart>& starts) {
   answer_.probed = answer_.time;
   answer_.statistics.seconds_simulate = seconds_since(clock) - rows_.seconds();
   answer_.statistics.rows = rows_.count();
+  tell_event();
   finish();
   return std::move(answer_);
 }
@@ -187,16 +188,26 @@ void SparseRun::watch_start() {
   request_.watcher->begin(elements, on_);
 }
 
+/// What parts come upon within the tolerance of an instant is one event.
 void SparseRun::watch(const Track& track) {
   const auto& instant = track.run.instant();
   if (request_.watcher == nullptr || !instant) return;
+  if (event_ && std::abs(instant->time - event_->time) > tolerance_) tell_event();
+  if (!event_) event_ = Event{.time = instant->time};
+  event_->source_edge |= instant->source_edge;
+  event_->mode_change |= instant->mode_change;
+  event_->jump |= instant->jump;
   auto place = on_.begin();
   for (const auto& before : tracks_) {
     if (before.get() == &track) break;
     place += static_cast<std::ptrdiff_t>(before->run.position().size());
   }
   std::copy(track.run.position().begin(), track.run.position().end(), place);
-  request_.watcher->happened({instant->time, instant->source_edge, instant->mode_change, instant->jump}, on_);
+}
+
+void SparseRun::tell_event() {
+  if (event_) request_.watcher->happened(*event_, on_);
+  event_.reset();
 }
 
 /// A track's share of the probes at the operating point.

@@ -59,6 +59,7 @@ class SparseRun : private RowSource {
   bool close_event();
   void watch_start();
   void watch(const Track& track);
+  void tell_event();
   bool accepted(RowFeed::Pushed pushed);
   bool take(bool accepted);
   bool is_interrupted();
@@ -77,6 +78,7 @@ class SparseRun : private RowSource {
   bool event_open_ = false;            ///< its row after it is due
   std::uint64_t shared_instants_ = 0;  ///< at which several parts came upon something
   std::vector<char> on_;               ///< of all ports
+  std::optional<Event> event_;         ///< at hand, of all parts that came upon it
   double piece_time_ = 0.0;            ///< up to which pieces have been handed over
   std::vector<double> piece_values_;
   std::vector<double> probe_noise_;  ///< as Piece::noise, the largest so far

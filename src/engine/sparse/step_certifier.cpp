@@ -44,7 +44,8 @@ void StepCertifier::add_rows(const Point& point, const SegmentTimes& times) {
   for (int node = 0; node < descriptor_.nodes(); ++node)
     rows_.voltage = std::max(rows_.voltage, std::abs(point.z[static_cast<std::size_t>(node)]));
   for (std::size_t i = 0; i < n; ++i) {
-    const double residual = std::abs(point.k[i] - rates_[i]);
+    const double rounding = point.k_sizes.empty() ? 0.0 : tolerance::unknown_rounding * point.k_sizes[i];
+    const double residual = std::max(std::abs(point.k[i] - rates_[i]) - rounding, 0.0);
     rows_.residual[i] = std::max(rows_.residual[i], residual);
     if (residual > 0.0) rows_.moved[i] = std::max(rows_.moved[i], residual * times.followed);
     rows_.size[i] = std::max(rows_.size[i], std::abs(point.k[i]) + row_size_[i]);

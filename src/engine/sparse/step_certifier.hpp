@@ -17,7 +17,8 @@ struct SegmentTimes {
 
 /// Every step at first, then an evenly thinning sample:
 ///  - complementarity: |min(u, s)| of the diodes, against the largest u or s of the run;
-///  - KCL/KVL: every row of  k + G z + H w + g  at the end of a step, k the rate of E z, against its largest term of the run;
+///  - KCL/KVL: every row of  k + G z + H w + g  at the end of a step, k the rate of E z, against its largest term of the run, beyond what rounding of
+///    the rates of unknowns makes of k where these cancel (two nodes that fall together);
 ///  - energy: change of ½ zᵀE z over a step minus ∫ zᵀ k by the method's own weights: the energy that a step loses or gains, which is of the size of
 ///    its local error.
 class StepCertifier {

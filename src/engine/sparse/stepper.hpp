@@ -23,9 +23,10 @@ inline constexpr double first_stage = 2.0 * diagonal;          ///< of TR-BDF2, 
 /// The solution at a time.
 struct Point {
   double time = 0.0;
-  std::vector<double> z;  ///< unknowns
-  std::vector<double> k;  ///< E z'
-  std::vector<double> w;  ///< sources
+  std::vector<double> z;          ///< unknowns
+  std::vector<double> k;          ///< E z'
+  std::vector<double> k_sizes{};  ///< |E| |z'|, of which k has rounding; empty: it has none
+  std::vector<double> w;          ///< sources
   Position on;
 };
 

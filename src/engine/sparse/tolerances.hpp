@@ -213,7 +213,7 @@ inline constexpr double visible_impulse = 1e-6;
 /// Of: the largest of all unknowns, in volts.
 /// Why: what one kind makes of the other in a solution.
 inline constexpr double other_rounding = 1e-12;
-/// Of: the unknowns at the end of the step that impulses are a part of.
+/// Of: the unknowns at the end of the step that impulses are a part of, and the largest impulse of a voltage or current.
 /// Why: as `unknown_rounding`.
 inline constexpr double step_rounding = 1e-11;
 
