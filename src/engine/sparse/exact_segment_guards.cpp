@@ -15,7 +15,7 @@ namespace {
 
 constexpr double noise_of_tolerance = 10.0;  ///< terms of a guard, against the tolerance
 constexpr double share_of_norm = 0.1;
-constexpr double beyond_size = 1e3;  ///< times what a guard is measured against, its noise by the norms of row and state hides it
+constexpr double beyond_size = 2e2;  ///< times what a guard is measured against, its noise by the norms of row and state hides it
 constexpr double beyond_held = 2.0;   ///< of a slack that was held at zero: what is no rounding of it
 constexpr int most_derivatives = 4;   ///< at the start: what begins with a higher power of time is at rest until it is visible
 
