@@ -85,7 +85,7 @@ void check_networks(const std::string& name, int first, int count, int allowed, 
 
 TEST_CASE("random networks by Krylov segments agree with the exact engine, or end in an error", "[property]") {
   // So many end in an error today (docs/developer/open-ends.md); no more may.
-  static const std::map<std::string, int> most_named{{"all parts", 0},   {"no sources", 0}, {"little resistance", 1},
+  static const std::map<std::string, int> most_named{{"all parts", 0},   {"no sources", 0}, {"little resistance", 0},
                                                      {"many diodes", 0}, {"floating", 0},   {"up to twelve ports", 1}};
   const auto [name, allowed] = GENERATE(from_range(most_named));
   check_networks(name, 0, networks, allowed);
@@ -147,8 +147,8 @@ TEST_CASE("a network without a position by Krylov segments ends in an error", "[
 }
 
 TEST_CASE("1,000 other networks of each family by Krylov segments", "[property][long]") {
-  static const std::map<std::string, int> most_named{{"all parts", 4},   {"no sources", 2}, {"little resistance", 1},
-                                                     {"many diodes", 2}, {"floating", 6},   {"up to twelve ports", 4}};
+  static const std::map<std::string, int> most_named{{"all parts", 4},   {"no sources", 2}, {"little resistance", 0},
+                                                     {"many diodes", 2}, {"floating", 5},   {"up to twelve ports", 4}};
   const auto [name, allowed] = GENERATE(from_range(most_named));
   check_networks(name, others, others, allowed);
 }
