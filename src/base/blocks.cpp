@@ -1,14 +1,40 @@
 #include "base/blocks.hpp"
 
 #include <algorithm>
+#include <cstddef>
 
 namespace pwlsim {
 
 namespace {
-std::size_t place(int i) { return static_cast<std::size_t>(i); }
-}  // namespace
 
-Blocks::Blocks(int nodes, const std::vector<std::pair<int, int>>& edges)
+std::size_t place(int i) { return static_cast<std::size_t>(i); }
+
+class BlockSearch {
+ public:
+  BlockSearch(int nodes, const std::vector<std::pair<int, int>>& edges);
+  [[nodiscard]] std::vector<Block> run();
+
+ private:
+  struct Visit {
+    int node, by;      ///< the edge that led to it, −1: none
+    std::size_t next;  ///< of its edges
+  };
+  void search(int root);
+  void follow(int edge);
+  void leave(const Visit& visit);
+  [[nodiscard]] int other_end(int edge, int node) const;
+
+  const std::vector<std::pair<int, int>>& ends_;
+  std::vector<int> start_, at_;  ///< edges of each node
+  std::vector<int> order_, low_;
+  std::vector<char> is_seen_;  ///< edges
+  std::vector<Visit> path_;
+  std::vector<int> open_;  ///< edges of blocks that are not complete
+  std::vector<Block> blocks_;
+  int visited_ = 0;
+};
+
+BlockSearch::BlockSearch(int nodes, const std::vector<std::pair<int, int>>& edges)
     : ends_(edges), start_(place(nodes) + 1, 0), order_(place(nodes), -1), low_(place(nodes), 0), is_seen_(edges.size(), 0) {
   for (const auto& [a, b] : edges) {
     ++start_[place(a) + 1];
@@ -22,17 +48,21 @@ Blocks::Blocks(int nodes, const std::vector<std::pair<int, int>>& edges)
     at_[place(end[place(a)]++)] = static_cast<int>(i);
     if (b != a) at_[place(end[place(b)]++)] = static_cast<int>(i);
   }
-  for (int root = 0; root < nodes; ++root)
-    if (order_[place(root)] < 0) search(root);
-  std::reverse(blocks_.begin(), blocks_.end());
 }
 
-int Blocks::other_end(int edge, int node) const {
+std::vector<Block> BlockSearch::run() {
+  for (int root = 0; root < static_cast<int>(order_.size()); ++root)
+    if (order_[place(root)] < 0) search(root);
+  std::reverse(blocks_.begin(), blocks_.end());  // the last one is complete first
+  return std::move(blocks_);
+}
+
+int BlockSearch::other_end(int edge, int node) const {
   const auto [a, b] = ends_[place(edge)];
   return a == node ? b : a;
 }
 
-void Blocks::search(int root) {
+void BlockSearch::search(int root) {
   path_.push_back({root, -1, place(start_[place(root)])});
   order_[place(root)] = low_[place(root)] = visited_++;
   while (!path_.empty()) {
@@ -48,7 +78,7 @@ void Blocks::search(int root) {
 }
 
 /// An edge of the last node of the path.
-void Blocks::follow(int edge) {
+void BlockSearch::follow(int edge) {
   if (is_seen_[place(edge)] != 0) return;
   is_seen_[place(edge)] = 1;
   const int node = path_.back().node, next = other_end(edge, node);
@@ -66,7 +96,7 @@ void Blocks::follow(int edge) {
 }
 
 /// The edge that led to a node ends a block if nothing behind it leads back beyond its begin.
-void Blocks::leave(const Visit& visit) {
+void BlockSearch::leave(const Visit& visit) {
   const int before = other_end(visit.by, visit.node);
   low_[place(before)] = std::min(low_[place(before)], low_[place(visit.node)]);
   if (low_[place(visit.node)] < order_[place(before)]) return;
@@ -74,5 +104,9 @@ void Blocks::leave(const Visit& visit) {
   blocks_.push_back({{first, open_.end()}, before, false});
   open_.erase(first, open_.end());
 }
+
+}  // namespace
+
+std::vector<Block> blocks_of(int nodes, const std::vector<std::pair<int, int>>& edges) { return BlockSearch(nodes, edges).run(); }
 
 }  // namespace pwlsim

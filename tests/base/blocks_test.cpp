@@ -9,7 +9,8 @@
 
 #include "base/disjoint_sets.hpp"
 
-using pwlsim::Blocks;
+using pwlsim::Block;
+using pwlsim::blocks_of;
 
 namespace {
 
@@ -47,10 +48,9 @@ TEST_CASE("blocks are what no node separates", "[unit]") {
     for (int e = 0; e < count; ++e)
       edges.emplace_back(static_cast<int>(random() % static_cast<unsigned>(nodes)),
                          static_cast<int>(random() % static_cast<unsigned>(nodes)));
-    const Blocks blocks(nodes, edges);
     std::vector<int> found(edges.size(), -1);
     std::vector<char> is_entered(static_cast<std::size_t>(nodes), 0);
-    for (const Blocks::Block& block : blocks.list()) {
+    for (const Block& block : blocks_of(nodes, edges)) {
       const int least = *std::min_element(block.edges.begin(), block.edges.end());
       for (const int e : block.edges) {
         const auto [a, b] = edges[static_cast<std::size_t>(e)];
@@ -68,7 +68,7 @@ TEST_CASE("blocks are what no node separates", "[unit]") {
 TEST_CASE("a block comes after the one that it hangs on", "[unit]") {
   // A triangle at ground, an edge from it, and at the end of that two parallel edges and a loop; a part that ground does not reach.
   const Edges edges{{3, 4}, {4, 3}, {4, 4}, {2, 3}, {1, 2}, {0, 1}, {2, 0}, {6, 5}};
-  const auto list = Blocks(7, edges).list();
+  const auto list = blocks_of(7, edges);
   std::vector<std::vector<int>> sorted;
   std::vector<char> known(7, 0);
   known[0] = known[5] = 1;

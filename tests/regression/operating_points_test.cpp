@@ -145,7 +145,7 @@ C1 p n 1.98m
 }
 
 // At rest sources do not move, and what a derivative makes of them is zero: v(n) begins at 0. From then on the low pass of τ = RC has at its input ω T cos(ωt) of 100 V, T = 50 µs:
-// v(n) = A (cos ωt + ωτ sin ωt − e^{−t/τ})/(1 + ω²τ²). The currents of the derivative of v(n) are no load, so that v(m) = v(n) of a sinusoid at the input has
+// v(n) = A (cos ωt + ωτ sin ωt − e^{−t/τ})/(1 + ω²τ²). The same low pass of the source itself, 100 V sin ωt, whose derivative B3 takes without loading it, has
 // v(m) = 100 V (sin ωt − ωτ cos ωt + ωτ e^{−t/τ})/(1 + ω²τ²).
 TEST_CASE("derivatives of sources are zero at the operating point", "[regression]") {
   const std::string text =

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pwlsim::engine::sparse {
 
@@ -69,6 +70,12 @@ std::vector<WatchedControl> controls_in_turn(const model::Network& network, cons
   const std::vector<int> turns = turns_of(network);
   for (std::size_t i = 0; i < controls.size(); ++i) controls[i].turn = turns[i];
   return controls;
+}
+
+void keep_first_turn(std::vector<const WatchedControl*>& passed) {
+  int first = std::numeric_limits<int>::max();
+  for (const WatchedControl* control : passed) first = std::min(first, control->turn);
+  std::erase_if(passed, [&](const WatchedControl* control) { return control->turn != first; });
 }
 
 Position first_position(const model::Network& network, const Descriptor& descriptor) {

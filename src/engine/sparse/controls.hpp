@@ -42,6 +42,9 @@ struct WatchedControl {
 /// what logic does in several rounds.
 [[nodiscard]] std::vector<WatchedControl> controls_in_turn(const model::Network& network, const Descriptor& descriptor);
 
+/// Of controls that have passed at an instant those of the first turn.
+void keep_first_turn(std::vector<const WatchedControl*>& passed);
+
 /// The start position of all ports: diodes off, switches as their elements say.
 [[nodiscard]] Position first_position(const model::Network& network, const Descriptor& descriptor);
 

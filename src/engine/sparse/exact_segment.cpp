@@ -11,7 +11,6 @@
 #include "engine/sparse/stepper.hpp"
 #include "engine/sparse/tolerances.hpp"
 #include "linalg/factorisations.hpp"
-#include "linalg/fast_decays.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -34,11 +33,9 @@ constexpr int most_no_better = 3;           ///< looks at an error that do not l
 constexpr int most_cuts = 12, most_extensions = 6, most_doublings = 3;
 constexpr double first_look = 2.0, next_look = 4.0;  ///< how far events are looked for, of the expected length, and then of that
 constexpr double shorter = 32.0;                     ///< a segment that cannot be made is tried again at so small a part
-constexpr double most_rise = 1e6;  ///< of them at the start of a segment: beyond, and beyond what the run has had, are impulses
-constexpr double time_constants_of_decay = 40.0;  ///< until it is over, to rounding
-constexpr double most_of_length_for_decay = 0.1;  ///< it is worth a segment of its own
-constexpr double most_loss = 1e6;                 ///< of vectors by orthogonalisation, in roundings
-constexpr double least_share = 1.0 / 256.0;       ///< of the usual length: shorter ones make no space of their own
+constexpr double most_rise = 1e6;            ///< of them at the start of a segment: beyond, and beyond what the run has had, are impulses
+constexpr double most_loss = 1e6;            ///< of vectors by orthogonalisation, in roundings
+constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
 constexpr double muting = 30.0, most_muted = 1e6;
 constexpr double tolerances_of_run = 200.0, most_tolerances = 10.0;  ///< that may add up over the run, and that one segment may have
 constexpr int many_vectors = 20;                                     ///< so many cost more than the tolerance is worth
@@ -398,16 +395,6 @@ ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start, b
   if (is_again || !is_undecided_by_habit(start.longest)) return Opened::yes;
   habits_[key_].length = 0.0;
   return open(factors, start, true);
-}
-
-/// Whether a decay that hides a guard has a segment of its own, which the habit is then made for.
-bool ExactSegment::ends_with_decay() {
-  const double longest = most_of_length_for_decay * length_ / time_constants_of_decay;
-  double rate = hidden_decay_;
-  if (outlasts_decay_) rate = std::max(rate, linalg::find_cut(linalg::rates_by_speed(space_.flow().a()), longest, 0.0).fast_rate);
-  if (!(rate * longest > 1.0)) return false;
-  habits_[key_].length = time_constants_of_decay / rate;
-  return true;
 }
 
 /// With as many vectors as a decay asks for that a guard behind a leak reads.

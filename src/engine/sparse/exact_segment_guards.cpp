@@ -16,8 +16,10 @@ namespace {
 constexpr double noise_of_tolerance = 10.0;  ///< terms of a guard, against the tolerance
 constexpr double share_of_norm = 0.1;
 constexpr double beyond_size = 2e2;  ///< times what a guard is measured against, its noise by the norms of row and state hides it
-constexpr double beyond_held = 2.0;   ///< of a slack that was held at zero: what is no rounding of it
-constexpr int most_derivatives = 4;   ///< at the start: what begins with a higher power of time is at rest until it is visible
+constexpr double time_constants_of_decay = 40.0;  ///< until it is over, to rounding
+constexpr double most_of_length_for_decay = 0.1;  ///< it is worth a segment of its own
+constexpr double beyond_held = 2.0;               ///< of a slack that was held at zero: what is no rounding of it
+constexpr int most_derivatives = 4;               ///< at the start: what begins with a higher power of time is at rest until it is visible
 
 }  // namespace
 
@@ -176,6 +178,16 @@ void ExactSegment::leave_out_decays() {
     }
   }
   note_terms();
+}
+
+/// Whether a decay that hides a guard has a segment of its own, which the habit is then made for.
+bool ExactSegment::ends_with_decay() {
+  const double longest = most_of_length_for_decay * length_ / time_constants_of_decay;
+  double rate = hidden_decay_;
+  if (outlasts_decay_) rate = std::max(rate, linalg::find_cut(linalg::rates_by_speed(space_.flow().a()), longest, 0.0).fast_rate);
+  if (!(rate * longest > 1.0)) return false;
+  habits_[key_].length = time_constants_of_decay / rate;
+  return true;
 }
 
 /// Noise of each guard, against the terms of its own row, at the start.

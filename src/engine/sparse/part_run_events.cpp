@@ -41,14 +41,14 @@ bool PartRun::flip(const Point& at, bool by_sources, double time, Instant& insta
   std::vector<const WatchedControl*> violated;
   if (by_sources) sources_.evaluate(time, w_);
   for (const WatchedControl& control : controls_) {
-    if (control.by_sources() != by_sources || (!violated.empty() && control.turn > violated.front()->turn)) continue;
+    if (control.by_sources() != by_sources) continue;
     const double value = control.value.value(at.z.data(), by_sources ? w_.data() : at.w.data());
     const double margin = control.margin(on, value);
     if (margin >= -control.noise(value, unknown)) continue;
     if (strain != nullptr && std::abs(Form::sum(control.value.z, strain->data())) > most_strain * -margin) continue;
-    if (!violated.empty() && control.turn < violated.front()->turn) violated.clear();
     violated.push_back(&control);
   }
+  keep_first_turn(violated);
   for (const WatchedControl* control : violated) on[control->port] ^= 1;
   instant.mode_change |= !violated.empty();
   return !violated.empty();

@@ -178,10 +178,9 @@ std::vector<std::size_t> PartRun::first_negative() const {
     else
       controls.push_back(&controls_[static_cast<std::size_t>(guard - ports)]);
   }
-  if (!next.empty() || controls.empty()) return next;
-  const auto first = *std::min_element(controls.begin(), controls.end(), [](const auto* a, const auto* b) { return a->turn < b->turn; });
-  for (const WatchedControl* control : controls)
-    if (control->turn == first->turn) next.push_back(control->port);
+  if (!next.empty()) return next;
+  keep_first_turn(controls);
+  for (const WatchedControl* control : controls) next.push_back(control->port);
   return next;
 }
 

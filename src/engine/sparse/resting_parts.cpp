@@ -101,9 +101,8 @@ void RestingParts::merge() {
 
 void RestingParts::find_blocks(const Origin& start) {
   charged_.assign(at_.size(), 0);
-  if (!start.more.empty())
-    for (std::size_t node = 1; node < at_.size(); ++node)
-      if (start.more[node - 1] != 0.0) charged_[static_cast<std::size_t>(merged_.find(static_cast<int>(node)))] = 1;
+  for (int node = 1; node < static_cast<int>(at_.size()); ++node)
+    if (start.has_more(node - 1)) charged_[static_cast<std::size_t>(merged_.find(node))] = 1;
   conducting_.clear();
   ends_.clear();
   for (std::size_t i = 0; i < edges_.size(); ++i) {
@@ -112,7 +111,7 @@ void RestingParts::find_blocks(const Origin& start) {
     conducting_.push_back(static_cast<int>(i));
     ends_.emplace_back(merged_.find(edge.a), merged_.find(edge.b));
   }
-  const std::vector<Blocks::Block> blocks = Blocks(static_cast<int>(at_.size()), ends_).list();
+  const std::vector<Block> blocks = blocks_of(static_cast<int>(at_.size()), ends_);
   std::vector<char> moving(blocks.size(), 0);
   for (std::size_t b = 0; b < blocks.size(); ++b)
     for (const int e : blocks[b].edges)
@@ -120,16 +119,18 @@ void RestingParts::find_blocks(const Origin& start) {
   spread(blocks, moving);
   anchor_.assign(at_.size(), nowhere);
   for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const Blocks::Block& block = blocks[b];
+    const Block& block = blocks[b];
     const bool is_alone = block.edges.size() == 1 && !block.is_loop;
     for (const int e : block.edges) {
       const auto i = static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)]);
-      const Edge& edge = edges_[i];
-      // The unknown of a coupled inductor is what magnetises all of its windings.
-      if (moving[b] == 0 || (is_alone && !edge.is_injection && edge.coupled.empty() && !is_pushed(i, start))) rest(i);
+      if (moving[b] == 0 || (is_alone && edges_[i].is_free() && !is_pushed(i, start))) rest(i);
     }
     moving[b] == 0 ? rest_nodes(block) : follow_nodes(block);
   }
+}
+
+bool RestingParts::has_more_current(const Edge& edge, const Origin& start) {
+  return std::any_of(edge.currents.begin(), edge.currents.end(), [&](int current) { return start.has_more(current); });
 }
 
 /// Whether impulses or charges beside the unknowns reach an edge.
@@ -137,8 +138,7 @@ bool RestingParts::is_pushed(std::size_t edge, const Origin& start) {
   const Edge& at = edges_[edge];
   for (const int node : {at.a, at.b})
     if (charged_[static_cast<std::size_t>(merged_.find(node))] != 0) return true;
-  return !start.more.empty() && std::any_of(at.currents.begin(), at.currents.end(),
-                                            [&](int current) { return start.more[static_cast<std::size_t>(current)] != 0.0; });
+  return has_more_current(at, start);
 }
 
 bool RestingParts::moves(std::size_t edge, const Origin& start) {
@@ -147,7 +147,7 @@ bool RestingParts::moves(std::size_t edge, const Origin& start) {
 }
 
 /// What moves moves the inductors that are coupled to it.
-void RestingParts::spread(const std::vector<Blocks::Block>& blocks, std::vector<char>& moving) {
+void RestingParts::spread(const std::vector<Block>& blocks, std::vector<char>& moving) {
   std::vector<std::size_t> block_of(edges_.size(), 0), open;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     for (const int e : blocks[b].edges) block_of[static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)])] = b;
@@ -171,7 +171,7 @@ void RestingParts::rest(std::size_t edge) {
 }
 
 /// Nodes of a block that rests are at the voltage of the one that it hangs on.
-void RestingParts::rest_nodes(const Blocks::Block& block) {
+void RestingParts::rest_nodes(const Block& block) {
   for (const int set : sets_of(block)) {
     anchor_[static_cast<std::size_t>(set)] = static_cast<int>(nodes_.size());
     for (const int node : members_[static_cast<std::size_t>(set)]) nodes_.push_back({node - 1, block.hangs_on - 1});
@@ -179,7 +179,7 @@ void RestingParts::rest_nodes(const Blocks::Block& block) {
 }
 
 /// Nodes of a block that moves go with the one that it hangs on.
-void RestingParts::follow_nodes(const Blocks::Block& block) {
+void RestingParts::follow_nodes(const Block& block) {
   const int anchor = anchor_[static_cast<std::size_t>(block.hangs_on)];
   if (anchor == nowhere) return;
   for (const int set : sets_of(block)) {
@@ -189,7 +189,7 @@ void RestingParts::follow_nodes(const Blocks::Block& block) {
 }
 
 /// Without the one that it hangs on.
-const std::vector<int>& RestingParts::sets_of(const Blocks::Block& block) {
+const std::vector<int>& RestingParts::sets_of(const Block& block) {
   open_.clear();
   for (const int e : block.edges)
     for (const int set : {ends_[static_cast<std::size_t>(e)].first, ends_[static_cast<std::size_t>(e)].second})
@@ -201,7 +201,6 @@ const std::vector<int>& RestingParts::sets_of(const Blocks::Block& block) {
 
 /// An element at a node where nothing else moves carries nothing, whatever is stored.
 void RestingParts::take_out_ends(const Origin& start) {
-  const auto has_more = [&](int unknown) { return !start.more.empty() && start.more[static_cast<std::size_t>(unknown)] != 0.0; };
   ends_.clear();
   open_.resize(at_.size() - 1);
   std::iota(open_.begin(), open_.end(), 1);
@@ -214,12 +213,10 @@ void RestingParts::take_out_ends(const Origin& start) {
         last = i;
         ++moving;
       }
-    if (node == 0 || moving != 1 || has_more(node - 1)) continue;
+    if (node == 0 || moving != 1 || start.has_more(node - 1)) continue;
     const auto i = static_cast<std::size_t>(last);
     const Edge& edge = edges_[i];
-    // The unknown of a coupled inductor is what magnetises all of its windings.
-    if (edge.a == edge.b || edge.is_injection || !edge.coupled.empty() || std::any_of(edge.currents.begin(), edge.currents.end(), has_more))
-      continue;
+    if (edge.a == edge.b || !edge.is_free() || has_more_current(edge, start)) continue;
     rest(i);
     const int other = edge.a == node ? edge.b : edge.a;
     if (i >= descriptor_.states().size() && !is_source(edge) && !edge.is_controlled) ends_.emplace_back(node, other);

@@ -26,6 +26,7 @@ class RestingParts {
     const std::vector<double>& z;
     const std::vector<double>& more;  ///< charges and fluxes beside those of z; may be empty
     bool has_sources = true;          ///< false: z is a deviation, which sources and drops have none of
+    [[nodiscard]] bool has_more(int unknown) const { return !more.empty() && more[static_cast<std::size_t>(unknown)] != 0.0; }
   };
   /// The parts at rest from `start` on. `weights`: of states, whose squares add up to that of `size`.
   void find(const Position& on, const Origin& start, const std::vector<double>& weights, double size);
@@ -41,6 +42,8 @@ class RestingParts {
     std::vector<int> coupled{};   ///< edges of inductors
     bool is_controlled = false;   ///< by what may lie anywhere, deviations included
     bool is_injection = false;
+    /// Whether its current is zero where the network allows none: that of a source is given, and the unknown of a coupled inductor is what magnetises all of its windings.
+    [[nodiscard]] bool is_free() const { return !is_injection && coupled.empty(); }
   };
   void add_ports();
   [[nodiscard]] bool conducts(const Edge& edge) const { return edge.port < 0 || (*on_)[static_cast<std::size_t>(edge.port)] != 0; }
@@ -53,12 +56,13 @@ class RestingParts {
   void merge();
   void find_blocks(const Origin& start);
   [[nodiscard]] bool moves(std::size_t edge, const Origin& start);
+  [[nodiscard]] static bool has_more_current(const Edge& edge, const Origin& start);
   [[nodiscard]] bool is_pushed(std::size_t edge, const Origin& start);
-  void spread(const std::vector<Blocks::Block>& blocks, std::vector<char>& moving);
+  void spread(const std::vector<Block>& blocks, std::vector<char>& moving);
   void rest(std::size_t edge);
-  void rest_nodes(const Blocks::Block& block);
-  void follow_nodes(const Blocks::Block& block);
-  [[nodiscard]] const std::vector<int>& sets_of(const Blocks::Block& block);
+  void rest_nodes(const Block& block);
+  void follow_nodes(const Block& block);
+  [[nodiscard]] const std::vector<int>& sets_of(const Block& block);
   void take_out_ends(const Origin& start);
 
   const Descriptor& descriptor_;

@@ -67,15 +67,13 @@ class RestFinder {
 
  private:
   bool find_rest() {
-    const auto n = static_cast<std::size_t>(descriptor_.size());
-    std::vector<double> right(n), moved, before;
-    z.assign(n, 0.0);
+    std::vector<double> before;
+    z.assign(static_cast<std::size_t>(descriptor_.size()), 0.0);
     const double time = mean_time(descriptor_);
     for (double size = first_step; size <= last_step; size *= step_growth)
       for (int step = 0; step < steps_of_a_size; ++step) {
         before = z;
-        descriptor_.rates(before.data(), w_.data(), right.data());
-        const Solved solved = ports_.solve({1.0 / (size * time), before, right, w_}, on, moved, z);
+        const Solved solved = take_step(1.0 / (size * time), before, on, z);
         if (solved != Solved::yes) {
           // What sources contradict is singular in any step; what only a long one finds singular is an inductor that is short by then.
           is_singular = solved == Solved::singular && !(size > first_step);
@@ -91,15 +89,21 @@ class RestFinder {
     return false;
   }
 
+  /// Implicit Euler's, from `before` to `after`, in the position that fits it.
+  [[nodiscard]] Solved take_step(double shift, const std::vector<double>& before, Position& position, std::vector<double>& after) {
+    std::vector<double> right(before.size()), moved;
+    descriptor_.rates(before.data(), w_.data(), right.data());
+    return ports_.solve({shift, before, right, w_}, position, moved, after);
+  }
+
   [[nodiscard]] bool leads_back(double share) {
     const double aside = share * (largest(z) > 0.0 ? largest(z) : 1.0), shift = 1.0 / (last_step * mean_time(descriptor_));
-    std::vector<double> right(z.size()), moved, before, reached = z;
+    std::vector<double> before, reached = z;
     for (std::size_t i = 0; i < z.size(); ++i) reached[i] += aside * std::sin(1.0 + 37.0 * static_cast<double>(i * i + 1));
     Position position = on;
     for (int step = 0; step < steps_back; ++step) {
       before = reached;
-      descriptor_.rates(before.data(), w_.data(), right.data());
-      if (ports_.solve({shift, before, right, w_}, position, moved, reached) != Solved::yes) return true;
+      if (take_step(shift, before, position, reached) != Solved::yes) return true;
     }
     return std::all_of(descriptor_.states().begin(), descriptor_.states().end(), [&](const State& state) {
       return std::abs(state.value(reached.data()) - state.value(z.data())) <= shift_left * std::abs(aside);
