@@ -20,6 +20,8 @@ double sum_of_sizes(const std::vector<double>& x) {
 
 }  // namespace
 
+double factor_of_row(double largest) { return largest > 0.0 ? 1.0 / largest : 1.0; }
+
 FixedPivotFactor::FixedPivotFactor(std::shared_ptr<const Pivots> pivots, Values values)
     : pivots_(std::move(pivots)), values_(std::move(values)) {
   find_pivot_ratio();
@@ -34,28 +36,28 @@ void FixedPivotFactor::find_pivot_ratio() {
   pivot_ratio_ = most > 0.0 ? least / most : 1.0;
 }
 
-void FixedPivotFactor::scale_rows(const std::vector<double>& values) {
-  const SparsePattern& pattern = pivots_->pattern;
+void FixedPivotFactor::scale_rows(const SparsePattern& pattern, const std::vector<double>& values) {
   values_.row_factor.assign(index(pattern.size), 0.0);
   for (std::size_t e = 0; e < pattern.entries(); ++e) {
-    double& most = values_.row_factor[index(pivots_->place[index(pattern.row[e])])];
-    most = std::max(most, std::abs(values[index(pivots_->entry[e])]));
+    double& most = values_.row_factor[index(pattern.row[e])];
+    most = std::max(most, std::abs(values[e]));
   }
-  for (double& most : values_.row_factor) most = most > 0.0 ? 1.0 / most : 1.0;
+  for (double& most : values_.row_factor) most = factor_of_row(most);
 }
 
 /// Column k of the scaled matrix into `column`, of the block that begins at `first`; entries above the block into the values. Its largest entry.
-double FixedPivotFactor::scatter(const std::vector<double>& values, int k, int first, int& above, double* column) {
-  const SparsePattern& pattern = pivots_->pattern;
+double FixedPivotFactor::scatter(const SparsePattern& pattern, const std::vector<double>& values, int k, int first, int& above,
+                                 double* column) {
   const std::size_t source = index(pivots_->column[index(k)]);
   double most = 0.0;
-  for (int e = pattern.start[source]; e < pattern.start[source + 1]; ++e) {
-    const int place = pivots_->place[index(pattern.row[index(e)])];
-    const double value = values[index(pivots_->entry[index(e)])] * values_.row_factor[index(place)];
-    if (place < first) {
+  for (std::size_t e = index(pattern.start[source]); e < index(pattern.start[source + 1]); ++e) {
+    if (pivots_->is_zero[e] != 0) continue;
+    const int row = pattern.row[e];
+    const double value = values[e] * values_.row_factor[index(row)];
+    if (pivots_->place[index(row)] < first) {
       values_.upper[index(above++)] = value;
     } else {
-      column[place] = value;
+      column[row] = value;
       most = std::max(most, std::abs(value));
     }
   }
@@ -67,14 +69,15 @@ double FixedPivotFactor::eliminate(int k, int above, double* column) {
   const Pivots& p = *pivots_;
   double most = 0.0;
   for (int e = above; e < p.upper_start[index(k) + 1]; ++e) {
-    const std::size_t j = index(p.upper_row[index(e)]);
-    const double u = std::exchange(column[j], 0.0);
+    const int row = p.upper_row[index(e)];
+    const double u = std::exchange(column[row], 0.0);
     values_.upper[index(e)] = u;
     if (u == 0.0) continue;
     most = std::max(most, std::abs(u));
+    const std::size_t j = index(p.place[index(row)]);
     for (int l = p.lower_start[j]; l < p.lower_start[j + 1]; ++l) column[p.lower_row[index(l)]] -= values_.lower[index(l)] * u;
   }
-  const double pivot = std::exchange(column[k], 0.0);
+  const double pivot = std::exchange(column[p.row[index(k)]], 0.0);
   const double inverse = 1.0 / pivot;
   values_.inverse_pivot[index(k)] = inverse;
   for (int l = p.lower_start[index(k)]; l < p.lower_start[index(k) + 1]; ++l)
@@ -82,21 +85,23 @@ double FixedPivotFactor::eliminate(int k, int above, double* column) {
   return std::max(most, std::abs(pivot));
 }
 
-bool FixedPivotFactor::factor(const std::vector<double>& values, std::shared_ptr<const Pivots> pivots, std::vector<double>& work) {
+bool FixedPivotFactor::factor(const SparsePattern& pattern, const std::vector<double>& values, std::shared_ptr<const Pivots> pivots,
+                              std::vector<double>& work) {
   pivots_ = std::move(pivots);
   const Pivots& p = *pivots_;
-  if (std::any_of(p.left_out.begin(), p.left_out.end(), [&](int e) { return values[index(e)] != 0.0; })) return false;
-  const std::size_t n = index(p.pattern.size);
+  for (std::size_t e = 0; e < values.size(); ++e)
+    if (p.is_zero[e] != 0 && values[e] != 0.0) return false;
+  const std::size_t n = index(pattern.size);
   values_.lower.resize(p.lower_row.size());
   values_.upper.resize(p.upper_row.size());
   values_.inverse_pivot.resize(n);
   work.assign(n, 0.0);
-  scale_rows(values);
+  scale_rows(pattern, values);
   growth_ = 1.0;
   for (std::size_t b = 0; b + 1 < p.block.size(); ++b)
     for (int k = p.block[b]; k < p.block[b + 1]; ++k) {
       int above = p.upper_start[index(k)];
-      const double of_matrix = scatter(values, k, p.block[b], above, work.data());
+      const double of_matrix = scatter(pattern, values, k, p.block[b], above, work.data());
       const double of_upper = eliminate(k, above, work.data());
       const double inverse = std::abs(values_.inverse_pivot[index(k)]);
       if (!(inverse > 0.0 && inverse < infinite && of_upper < infinite)) return false;
@@ -111,42 +116,44 @@ void FixedPivotFactor::solve(double* b, std::vector<double>& work) const {
   const std::size_t n = values_.inverse_pivot.size();
   work.resize(n);
   double* const x = work.data();
+  const int *const row = p.row.data(), *const column = p.column.data();
   const int *const lower_start = p.lower_start.data(), *const lower_row = p.lower_row.data();
   const int *const upper_start = p.upper_start.data(), *const upper_row = p.upper_row.data();
   const double *const lower = values_.lower.data(), *const upper = values_.upper.data();
-  for (std::size_t k = 0; k < n; ++k) x[k] = b[p.row[k]] * values_.row_factor[k];
+  for (std::size_t i = 0; i < n; ++i) x[i] = b[i] * values_.row_factor[i];
   for (std::size_t block = p.block.size() - 1; block-- > 0;) {
     const std::size_t first = index(p.block[block]), end = index(p.block[block + 1]);
     for (std::size_t k = first; k + 1 < end; ++k) {
-      const double factor = x[k];
+      const double factor = x[row[k]];
       if (factor == 0.0) continue;
       for (int l = lower_start[k]; l < lower_start[k + 1]; ++l) x[lower_row[l]] -= lower[l] * factor;
     }
     for (std::size_t k = end; k-- > first;) {
-      if (x[k] == 0.0) continue;
-      const double factor = x[k] *= values_.inverse_pivot[k];
+      const double factor = x[row[k]] * values_.inverse_pivot[k];
+      b[column[k]] = factor;
+      if (factor == 0.0) continue;
       for (int u = upper_start[k]; u < upper_start[k + 1]; ++u) x[upper_row[u]] -= upper[u] * factor;
     }
   }
-  for (std::size_t k = 0; k < n; ++k) b[p.column[k]] = x[k];
 }
 
 void FixedPivotFactor::solve_transposed(double* b, std::vector<double>& work) const {
   const Pivots& p = *pivots_;
   const std::size_t n = values_.inverse_pivot.size();
   work.resize(n);
-  double* const x = work.data();
-  for (std::size_t k = 0; k < n; ++k) x[k] = b[p.column[k]];
+  double* const x = work.data();  // by rows
+  for (std::size_t k = 0; k < n; ++k) x[p.row[k]] = b[p.column[k]];
   for (std::size_t block = 0; block + 1 < p.block.size(); ++block) {
     const std::size_t first = index(p.block[block]), end = index(p.block[block + 1]);
     for (std::size_t k = first; k < end; ++k) {
-      for (int u = p.upper_start[k]; u < p.upper_start[k + 1]; ++u) x[k] -= values_.upper[index(u)] * x[p.upper_row[index(u)]];
-      x[k] *= values_.inverse_pivot[k];
+      double& own = x[p.row[k]];
+      for (int u = p.upper_start[k]; u < p.upper_start[k + 1]; ++u) own -= values_.upper[index(u)] * x[p.upper_row[index(u)]];
+      own *= values_.inverse_pivot[k];
     }
     for (std::size_t k = end; k-- > first;)
-      for (int l = p.lower_start[k]; l < p.lower_start[k + 1]; ++l) x[k] -= values_.lower[index(l)] * x[p.lower_row[index(l)]];
+      for (int l = p.lower_start[k]; l < p.lower_start[k + 1]; ++l) x[p.row[k]] -= values_.lower[index(l)] * x[p.lower_row[index(l)]];
   }
-  for (std::size_t k = 0; k < n; ++k) b[p.row[k]] = x[k] * values_.row_factor[k];
+  for (std::size_t i = 0; i < n; ++i) b[i] = x[i] * values_.row_factor[i];
 }
 
 double FixedPivotFactor::inverse_norm(std::vector<double>& work) const {

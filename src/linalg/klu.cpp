@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "linalg/partial_factor.hpp"
 #include "linalg/sifted.hpp"
 #include "linalg/tolerances.hpp"
 
@@ -37,10 +38,10 @@ struct Columns {
   std::vector<double> value;
 };
 
-/// Columns one after the other, in arrays that have room for all.
+/// Columns one after the other, in arrays that have room for all. `row_of`: of each number that they have for a row.
 class PackedColumns {
  public:
-  PackedColumns(std::vector<int>& rows, std::vector<double>& values, std::size_t room) {
+  PackedColumns(std::vector<int>& rows, std::vector<double>& values, std::size_t room, const std::vector<int>& row_of) : row_of_(row_of) {
     rows.resize(room);
     values.resize(room);
     row_ = rows.data();
@@ -48,13 +49,14 @@ class PackedColumns {
   }
   void add(const Columns& from, int first, int end) {
     for (int e = first; e < end; ++e) {
-      row_[size_] = from.row[static_cast<std::size_t>(e)];
+      row_[size_] = row_of_[static_cast<std::size_t>(from.row[static_cast<std::size_t>(e)])];
       value_[size_++] = from.value[static_cast<std::size_t>(e)];
     }
   }
   [[nodiscard]] int size() const { return size_; }
 
  private:
+  const std::vector<int>& row_of_;
   int* row_;
   double* value_;
   int size_ = 0;
@@ -70,9 +72,15 @@ struct KluOrdering::Handle {
   explicit Handle(const SparsePattern& whole) : pattern(whole) { klu_defaults(&common); }
   /// Of KLU's ordering by that method. False: it found none.
   bool find_order(int method);
+  /// More than the ordering counts on, while another has not been tried.
+  [[nodiscard]] bool is_fill_unexpected(double entries) const {
+    return !by_columns_tried && entries > tolerance::most_fill * expected_fill;
+  }
   void take_order(BlockOrder other) {
     order = std::move(other);
     sifter.emplace(pattern, order);
+    partial.emplace(*sifter);
+    ++orders;
   }
 
   const SparsePattern& pattern;
@@ -82,7 +90,10 @@ struct KluOrdering::Handle {
   double fill = usual_fill;    ///< entries of the last factor for each of its matrix
   BlockOrder order;
   std::optional<Sifter> sifter;
+  std::optional<PartialFactor> partial;
+  int orders = 0;               ///< so far
   Columns lower, upper, outer;  ///< room for what KLU found
+  std::vector<double> size;     ///< of rows
 };
 
 bool KluOrdering::Handle::find_order(int method) {
@@ -145,7 +156,7 @@ KluOrdering::Elimination::Elimination(Handle& handle, const std::vector<double>&
 
 /// What KLU calls so, with the blocks that are left.
 void KluOrdering::Elimination::find_symbolic() {
-  BlockOrder& order = sifted_.order;
+  BlockOrder& order = sifted_.rest.order;
   symbolic_.n = sifted_.pattern.size;
   symbolic_.nz = static_cast<int>(sifted_.pattern.entries());
   symbolic_.P = order.row.data();
@@ -169,6 +180,7 @@ FixedPivotFactor KluOrdering::Elimination::take() {
   lower.resize(n, numeric_->lnz);
   upper.resize(n, numeric_->unz);
   outer.resize(n, numeric_->nzoff);
+  handle_.size.resize(n);
   auto pivots = std::make_shared<Pivots>();
   FixedPivotFactor::Values values;
   for (auto* indices : {&pivots->row, &pivots->column, &pivots->place}) indices->resize(n);
@@ -177,14 +189,15 @@ FixedPivotFactor KluOrdering::Elimination::take() {
   values.inverse_pivot.resize(n);
   klu_extract(numeric_, &symbolic_, lower.start.data(), lower.row.data(), lower.value.data(), upper.start.data(), upper.row.data(),
               upper.value.data(), outer.start.data(), outer.row.data(), outer.value.data(), pivots->row.data(), pivots->column.data(),
-              values.row_factor.data(), pivots->block.data(), &handle_.common);
-  PackedColumns in_lower(pivots->lower_row, values.lower, lower.row.size() - n);
-  PackedColumns in_upper(pivots->upper_row, values.upper, upper.row.size() - n + outer.row.size());
+              handle_.size.data(), pivots->block.data(), &handle_.common);
+  PackedColumns in_lower(pivots->lower_row, values.lower, lower.row.size() - n, pivots->row);
+  PackedColumns in_upper(pivots->upper_row, values.upper, upper.row.size() - n + outer.row.size(), pivots->row);
   pivots->lower_start.reserve(n + 1);
   pivots->upper_start.reserve(n + 1);
   for (std::size_t k = 0; k < n; ++k) {
-    pivots->place[static_cast<std::size_t>(pivots->row[k])] = static_cast<int>(k);
-    values.row_factor[k] = 1.0 / values.row_factor[k];
+    const auto row = static_cast<std::size_t>(pivots->row[k]);
+    pivots->place[row] = static_cast<int>(k);
+    values.row_factor[row] = 1.0 / handle_.size[k];
     values.inverse_pivot[k] = 1.0 / upper.value[static_cast<std::size_t>(upper.start[k + 1]) - 1];
     in_lower.add(lower, lower.start[k] + 1, lower.start[k + 1]);
     in_upper.add(outer, outer.start[k], outer.start[k + 1]);
@@ -192,9 +205,9 @@ FixedPivotFactor KluOrdering::Elimination::take() {
     pivots->lower_start.push_back(in_lower.size());
     pivots->upper_start.push_back(in_upper.size());
   }
-  pivots->pattern = std::move(sifted_.pattern);
-  pivots->entry = std::move(sifted_.entry);
-  pivots->left_out = std::move(sifted_.left_out);
+  pivots->single_rows = sifted_.rest.single_rows;
+  pivots->is_zero.assign(handle_.pattern.entries(), 1);
+  for (const int e : sifted_.entry) pivots->is_zero[static_cast<std::size_t>(e)] = 0;
   return {std::move(pivots), std::move(values)};
 }
 
@@ -206,7 +219,7 @@ Factored KluFactor::factor(const std::vector<double>& values) {
   auto elimination = std::make_unique<KluOrdering::Elimination>(handle, values);
   ++ordering_->counts.factorizations;
   // Minimum degree counts on pivots on the diagonal. Where many are zero there, an ordering of columns (COLAMD) that expects any pivot may fill less.
-  if (elimination->is_regular() && !handle.by_columns_tried && elimination->fill() > tolerance::most_fill * handle.expected_fill) {
+  if (elimination->is_regular() && handle.is_fill_unexpected(elimination->fill())) {
     handle.by_columns_tried = true;
     const BlockOrder usual = handle.order;
     const bool has_other = handle.find_order(colamd);
@@ -221,8 +234,25 @@ Factored KluFactor::factor(const std::vector<double>& values) {
     if (status == KLU_SINGULAR) singular_column_ = handle.common.singular_col;
     return status == KLU_OUT_OF_MEMORY || status == KLU_TOO_LARGE ? Factored::no_memory : Factored::singular;
   }
-  numeric_ = elimination->take();
+  keep(elimination->take(), values);
+  return Factored::good;
+}
+
+void KluFactor::keep(FixedPivotFactor factor, const std::vector<double>& values) {
+  numeric_ = std::move(factor);
   first_pivot_ratio_ = numeric_.pivot_ratio();
+  values_ = values;
+  order_ = ordering_->handle_->orders;
+  has_own_pivots_ = true;
+}
+
+Factored KluFactor::factor_near(const KluFactor& other, const std::vector<double>& values) {
+  KluOrdering::Handle& handle = *ordering_->handle_;
+  if (!other.has_own_pivots_ || other.values_.size() != values.size() || other.order_ != handle.orders) return factor(values);
+  auto partial = handle.partial->factor({other.numeric_, other.values_}, values, handle.common.tol);
+  if (!partial || handle.is_fill_unexpected(static_cast<double>(partial->entries()))) return factor(values);
+  keep(std::move(*partial), values);
+  ++ordering_->counts.partial_factorizations;
   return Factored::good;
 }
 
@@ -232,18 +262,21 @@ bool KluFactor::pivots_are_good(const std::vector<double>& values) const {
   return numeric_.inverse_norm(ordering_->work_) * norm(ordering_->pattern_, values) <= tolerance::largest_condition;
 }
 
-Factored KluFactor::keep(const std::shared_ptr<const Pivots>& pivots, const std::vector<double>& values) {
+Factored KluFactor::factor_by(const std::shared_ptr<const Pivots>& pivots, int order, const std::vector<double>& values) {
   if (!pivots) return factor(values);
-  const bool done = numeric_.factor(values, pivots, ordering_->work_);
+  values_ = values;
+  order_ = order;
+  has_own_pivots_ = false;
+  const bool done = numeric_.factor(ordering_->pattern_, values, pivots, ordering_->work_);
   ++ordering_->counts.refactorizations;
   return done && pivots_are_good(values) ? Factored::good : factor(values);
 }
 
-Factored KluFactor::refactor(const std::vector<double>& values) { return keep(numeric_.pivots(), values); }
+Factored KluFactor::refactor(const std::vector<double>& values) { return factor_by(numeric_.pivots(), order_, values); }
 
 Factored KluFactor::refactor_as(const KluFactor& other, const std::vector<double>& values) {
   first_pivot_ratio_ = other.first_pivot_ratio_;
-  return keep(other.numeric_.pivots(), values);
+  return factor_by(other.numeric_.pivots(), other.order_, values);
 }
 
 void KluFactor::solve(double* b, int columns) const {

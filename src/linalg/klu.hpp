@@ -31,9 +31,10 @@ class KluOrdering {
   [[nodiscard]] bool structurally_regular() const;
   /// Counts of all factors of this ordering.
   struct Counts {
-    std::uint64_t factorizations = 0;    ///< with pivoting
-    std::uint64_t refactorizations = 0;  ///< with kept pivots
-    std::uint64_t solves = 0;            ///< right-hand sides
+    std::uint64_t factorizations = 0;          ///< with pivoting
+    std::uint64_t refactorizations = 0;        ///< with kept pivots
+    std::uint64_t partial_factorizations = 0;  ///< with pivoting, of columns that differ from those of another factor
+    std::uint64_t solves = 0;                  ///< right-hand sides
   };
   mutable Counts counts;
 
@@ -57,9 +58,13 @@ class KluFactor {
   [[nodiscard]] Factored refactor(const std::vector<double>& values);
   /// With the pivots of another factor of the same ordering, in the same way.
   [[nodiscard]] Factored refactor_as(const KluFactor& other, const std::vector<double>& values);
+  /// With new pivots, as by `factor`; columns that the factor of a matrix with few other entries has as well are taken over. That one must have pivots of its own.
+  [[nodiscard]] Factored factor_near(const KluFactor& other, const std::vector<double>& values);
   /// b := A⁻¹ b for `columns` columns, one after the other. Only after a successful factorisation.
   void solve(double* b, int columns = 1) const;
 
+  /// Not those of a matrix before.
+  [[nodiscard]] bool has_own_pivots() const { return has_own_pivots_; }
   /// Smallest over largest pivot of the last factorisation.
   [[nodiscard]] double pivot_ratio() const { return numeric_.pivot_ratio(); }
   /// After `singular`: the column where this was found, −1: unknown.
@@ -68,11 +73,15 @@ class KluFactor {
   [[nodiscard]] std::size_t entries() const { return numeric_.entries(); }
 
  private:
-  [[nodiscard]] Factored keep(const std::shared_ptr<const Pivots>& pivots, const std::vector<double>& values);
+  [[nodiscard]] Factored factor_by(const std::shared_ptr<const Pivots>& pivots, int order, const std::vector<double>& values);
+  void keep(FixedPivotFactor factor, const std::vector<double>& values);
   [[nodiscard]] bool pivots_are_good(const std::vector<double>& values) const;
 
   const KluOrdering* ordering_;
   FixedPivotFactor numeric_;
+  std::vector<double> values_;  ///< of the matrix
+  int order_ = 0;               ///< of the ordering's, the one that the factor goes by
+  bool has_own_pivots_ = false;
   double first_pivot_ratio_ = 0.0;
   int singular_column_ = -1;
 };

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <numeric>
+#include <utility>
 
 namespace pwlsim::linalg {
 
@@ -21,32 +22,20 @@ Sifter::Sifter(const SparsePattern& pattern, const BlockOrder& order) : pattern_
     }
 }
 
-void Sifter::drop_zeros(const std::vector<double>& values, Sifted& sifted) {
+void Sifter::drop_zeros(const std::vector<double>& values, Sifted& sifted) const {
   SparsePattern& kept = sifted.pattern;
   kept.size = pattern_.size;
   kept.start.resize(index(pattern_.size) + 1);
-  kept.row.resize(pattern_.entries());
-  sifted.entry.resize(pattern_.entries());
-  entries_left_.assign(index(pattern_.size), 0);
-  int *const row = kept.row.data(), *const entry = sifted.entry.data(), *const left = entries_left_.data();
-  const int *const start = pattern_.start.data(), *const all_rows = pattern_.row.data();
-  const double* const value = values.data();
-  int count = 0;
+  kept.row.reserve(pattern_.entries());
+  sifted.entry.reserve(pattern_.entries());
   for (int j = 0; j < pattern_.size; ++j) {
-    for (int e = start[j]; e < start[j + 1]; ++e) {
-      if (value[e] == 0.0) {
-        sifted.left_out.push_back(e);
-        continue;
-      }
-      const int i = all_rows[e];
-      ++left[i];
-      row[count] = i;
-      entry[count++] = e;
+    for (int e = pattern_.start[index(j)]; e < pattern_.start[index(j) + 1]; ++e) {
+      if (values[index(e)] == 0.0) continue;
+      kept.row.push_back(pattern_.row[index(e)]);
+      sifted.entry.push_back(e);
     }
-    kept.start[index(j) + 1] = count;
+    kept.start[index(j) + 1] = static_cast<int>(kept.row.size());
   }
-  kept.row.resize(index(count));
-  sifted.entry.resize(index(count));
 }
 
 /// Rows with one entry left, each with its column.
@@ -56,6 +45,8 @@ void Sifter::take_single_rows(const std::vector<double>& values) {
   is_column_taken_.assign(n, 0);
   single_rows_.clear();
   single_columns_.clear();
+  entries_left_.assign(n, 0);
+  for (std::size_t e = 0; e < pattern_.entries(); ++e) entries_left_[index(pattern_.row[e])] += values[e] != 0.0 ? 1 : 0;
   for (int i = 0; i < pattern_.size; ++i)
     if (entries_left_[index(i)] == 1) single_rows_.push_back(i);
   for (std::size_t k = 0; k < single_rows_.size(); ++k) {
@@ -92,8 +83,11 @@ bool Sifter::match_single_rows() {
 }
 
 /// What is not taken in the blocks of the pattern's order, then the single rows.
-void Sifter::order_rest(Sifted& sifted) const {
-  BlockOrder& order = sifted.order;
+RestOfOrder Sifter::order_rest(const std::vector<double>& values) {
+  take_single_rows(values);
+  if (!match_single_rows()) return {order_, 0, false};
+  RestOfOrder rest;
+  BlockOrder& order = rest.order;
   order.block.assign(1, 0);
   order.row.reserve(index(pattern_.size));
   order.column.reserve(index(pattern_.size));
@@ -107,21 +101,22 @@ void Sifter::order_rest(Sifted& sifted) const {
     const int end = static_cast<int>(order.row.size());
     if (end > order.block.back()) order.block.push_back(end);
   }
-  sifted.single_rows = static_cast<int>(single_rows_.size());
+  rest.single_rows = static_cast<int>(single_rows_.size());
   for (std::size_t k = single_rows_.size(); k-- > 0;) {
     order.row.push_back(single_rows_[k]);
     order.column.push_back(single_columns_[k]);
     order.block.push_back(static_cast<int>(order.row.size()));
   }
+  return rest;
 }
 
 void Sifter::count_entries(Sifted& sifted) {
-  const BlockOrder& order = sifted.order;
+  const BlockOrder& order = sifted.rest.order;
   const int blocks = static_cast<int>(order.block.size()) - 1;
   for (int b = 0; b < blocks; ++b)
     for (int k = order.block[index(b)]; k < order.block[index(b) + 1]; ++k) block_of_row_[index(order.row[index(k)])] = b;
   sifted.entries_of_block.assign(index(blocks), 1);
-  for (int b = 0; b < blocks - sifted.single_rows; ++b) {
+  for (int b = 0; b < blocks - sifted.rest.single_rows; ++b) {
     int count = 0;
     for (int k = order.block[index(b)]; k < order.block[index(b) + 1]; ++k) {
       const std::size_t j = index(order.column[index(k)]);
@@ -134,20 +129,16 @@ void Sifter::count_entries(Sifted& sifted) {
       static_cast<int>(sifted.pattern.entries()) - std::accumulate(sifted.entries_of_block.begin(), sifted.entries_of_block.end(), 0);
 }
 
-Sifted Sifter::whole() const {
-  Sifted sifted{pattern_, std::vector<int>(pattern_.entries()), {}, order_, 0, {}, 0};
-  std::iota(sifted.entry.begin(), sifted.entry.end(), 0);
-  return sifted;
-}
-
 Sifted Sifter::sift(const std::vector<double>& values) {
   Sifted sifted;
-  drop_zeros(values, sifted);
-  take_single_rows(values);
-  if (match_single_rows())
-    order_rest(sifted);
-  else
-    sifted = whole();
+  sifted.rest = order_rest(values);
+  if (sifted.rest.is_square) {
+    drop_zeros(values, sifted);
+  } else {
+    sifted.pattern = pattern_;
+    sifted.entry.resize(pattern_.entries());
+    std::iota(sifted.entry.begin(), sifted.entry.end(), 0);
+  }
   count_entries(sifted);
   return sifted;
 }

@@ -16,12 +16,17 @@ struct BlockOrder {
   std::vector<int> block;        ///< bounds of the diagonal blocks
 };
 
+/// What zeros leave of an order.
+struct RestOfOrder {
+  BlockOrder order;
+  int single_rows = 0;    ///< blocks at the end
+  bool is_square = true;  ///< each block; the order is that of the pattern otherwise, and the matrix is singular
+};
+
 struct Sifted {
   SparsePattern pattern;
-  std::vector<int> entry;     ///< of the whole pattern, of each entry
-  std::vector<int> left_out;  ///< entries of the whole pattern that are zero
-  BlockOrder order;
-  int single_rows = 0;  ///< blocks at the end
+  std::vector<int> entry;  ///< of the whole pattern, of each entry
+  RestOfOrder rest;
   std::vector<int> entries_of_block;
   int entries_above = 0;  ///< outside the blocks
 };
@@ -31,22 +36,29 @@ class Sifter {
  public:
   /// Both must outlive it.
   Sifter(const SparsePattern& pattern, const BlockOrder& order);
-  /// All of the matrix where the blocks that are left are not square: it is singular then.
+  /// All of the matrix where the blocks that are left are not square.
   [[nodiscard]] Sifted sift(const std::vector<double>& values);
+  [[nodiscard]] RestOfOrder order_rest(const std::vector<double>& values);
+
+  [[nodiscard]] const SparsePattern& pattern() const { return pattern_; }
+  /// Rows of the pattern as columns, and for each of their entries its number in the pattern.
+  [[nodiscard]] const SparsePattern& by_rows() const { return by_rows_; }
+  [[nodiscard]] const std::vector<int>& entry_by_rows() const { return entry_by_rows_; }
+  /// Of each row in the order of the pattern.
+  [[nodiscard]] const std::vector<int>& block_of_row() const { return block_in_order_; }
+  [[nodiscard]] int block_of_column(int column) const { return block_in_order_[index(row_in_order_[index(column)])]; }
 
  private:
-  [[nodiscard]] Sifted whole() const;
-  void drop_zeros(const std::vector<double>& values, Sifted& sifted);
+  void drop_zeros(const std::vector<double>& values, Sifted& sifted) const;
   void take_single_rows(const std::vector<double>& values);
   [[nodiscard]] bool match_single_rows();
-  void order_rest(Sifted& sifted) const;
   void count_entries(Sifted& sifted);
 
   const SparsePattern& pattern_;
   const BlockOrder& order_;
-  SparsePattern by_rows_;           ///< rows as columns
-  std::vector<int> entry_by_rows_;  ///< the number of each of its entries in the pattern
-  std::vector<int> entries_left_;   ///< of each row, in columns that are not taken
+  SparsePattern by_rows_;
+  std::vector<int> entry_by_rows_;
+  std::vector<int> entries_left_;  ///< of each row, in columns that are not taken
   std::vector<char> is_row_taken_, is_column_taken_;
   std::vector<int> single_rows_, single_columns_;    ///< in the order in which they were found
   std::vector<int> row_in_order_, column_in_order_;  ///< of each column the row in the same place of the order, and the other way round

@@ -1,6 +1,7 @@
 /// Sparse LU against matrices whose inverses are known in closed form.
 #include "linalg/klu.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <memory>
@@ -136,11 +137,10 @@ TEST_CASE("pivots that are given: solutions, transposed ones, the norm of the in
     pivots->upper_start.push_back(static_cast<int>(pivots->upper_row.size()));
   }
   pivots->block = {0, n};
-  pivots->pattern = m.pattern;
-  for (int e = 0; e < static_cast<int>(m.pattern.entries()); ++e) pivots->entry.push_back(e);
+  pivots->is_zero.assign(m.pattern.entries(), 0);
   FixedPivotFactor factor;
   std::vector<double> work;
-  REQUIRE(factor.factor(m.values, pivots, work));
+  REQUIRE(factor.factor(m.pattern, m.values, pivots, work));
   CHECK(factor.entries() == 3 * static_cast<std::size_t>(n) - 2);
   CHECK(factor.inverse_norm(work) == Approx(0.125 * (n + 1) * (n + 1)).epsilon(rounding * n));
   std::vector<double> b(static_cast<std::size_t>(n), 1.0), c = b;
@@ -152,7 +152,7 @@ TEST_CASE("pivots that are given: solutions, transposed ones, the norm of the in
     CHECK(c[static_cast<std::size_t>(i)] == Approx(exact).epsilon(rounding * n));
   }
   std::vector<double> zero(m.values.size(), 0.0);
-  CHECK_FALSE(factor.factor(zero, pivots, work));
+  CHECK_FALSE(factor.factor(m.pattern, zero, pivots, work));
 }
 
 // [[2, 3, 0], [0, 4, 5], [0, 1, 1]] x = (8, 23, 5) has x = (1, 2, 3): a block of one and one of two.
@@ -201,11 +201,10 @@ TEST_CASE("rows that zeros leave with a single entry come last", "[unit]") {
   const std::vector<double> values = by_columns({{1.0, 0.0, 2.0, 0.0}, {3.0, 0.0, 1.0, 2.0}, {0.0, 0.0, 2.0, 0.0}, {1.0, 4.0, 0.0, 1.0}});
   const Sifted sifted = sifter.sift(values);
   CHECK(sifted.pattern.entries() == 9);
-  CHECK(sifted.left_out.size() == 7);
-  CHECK(sifted.order.block == std::vector<int>{0, 1, 2, 3, 4});
-  CHECK(sifted.order.row == std::vector<int>{3, 1, 0, 2});
-  CHECK(sifted.order.column == std::vector<int>{1, 3, 0, 2});
-  CHECK(sifted.single_rows == 4);
+  CHECK(sifted.rest.order.block == std::vector<int>{0, 1, 2, 3, 4});
+  CHECK(sifted.rest.order.row == std::vector<int>{3, 1, 0, 2});
+  CHECK(sifted.rest.order.column == std::vector<int>{1, 3, 0, 2});
+  CHECK(sifted.rest.single_rows == 4);
   CHECK(sifted.entries_above == 5);
 
   const KluOrdering ordering(pattern);
@@ -236,4 +235,108 @@ TEST_CASE("zeros that leave two rows the same single entry make a matrix singula
   KluFactor factor(ordering);
   CHECK(factor.factor(by_columns({{1.0, 0.0, 0.0}, {2.0, 0.0, 0.0}, {1.0, 1.0, 1.0}})) == Factored::singular);
   CHECK(factor.singular_column() >= 0);
+}
+
+namespace {
+
+/// A chain of resistors with a switch from each node to ground: node equations  −x_{i−1} + 3 x_i − x_{i+1} + s_i = b_i  and, of each switch,  s_i = c_i  where it is open,
+/// x_i + r_i s_i = c_i  where it is closed. A source drives the middle through a block of its own.
+struct SwitchedChain {
+  explicit SwitchedChain(int length) : nodes(length), is_closed(static_cast<std::size_t>(length), false) {
+    PatternBuilder builder(2 * nodes + 1);
+    for (int i = 0; i < nodes; ++i) {
+      builder.add(i, i);
+      builder.add(i, nodes + i);
+      if (i > 0) builder.add(i, i - 1);
+      if (i + 1 < nodes) builder.add(i, i + 1);
+      builder.add(nodes + i, i);
+      builder.add(nodes + i, nodes + i);
+    }
+    builder.add(nodes / 2, 2 * nodes);
+    builder.add(2 * nodes, 2 * nodes);
+    std::vector<int> entry;
+    pattern = builder.take(entry);
+    size = 2 * nodes + 1;
+  }
+  /// By columns and rows.
+  [[nodiscard]] double at(int row, int column) const {
+    if (row < nodes) return column == row ? 3.0 : column == nodes + row ? 1.0 : column == 2 * nodes ? 0.5 : column < nodes ? -1.0 : 0.0;
+    if (row == 2 * nodes) return 2.0;
+    const bool closed = is_closed[static_cast<std::size_t>(row - nodes)];
+    return column < nodes ? (closed ? 1.0 : 0.0) : closed ? 0.1 * (row - nodes) : 1.0;
+  }
+  [[nodiscard]] std::vector<double> values() const {
+    std::vector<double> result;
+    for (int j = 0; j < size; ++j)
+      for (int e = pattern.start[static_cast<std::size_t>(j)]; e < pattern.start[static_cast<std::size_t>(j) + 1]; ++e)
+        result.push_back(at(pattern.row[static_cast<std::size_t>(e)], j));
+    return result;
+  }
+  /// The largest error of a solution whose right-hand side is made from it.
+  [[nodiscard]] double error(const KluFactor& factor) const {
+    std::vector<double> exact, b(static_cast<std::size_t>(size));
+    for (int i = 0; i < size; ++i) exact.push_back(1.0 + 0.25 * (i % 5));
+    multiply(pattern, values(), exact.data(), b.data());
+    factor.solve(b.data());
+    double worst = 0.0;
+    for (std::size_t i = 0; i < b.size(); ++i) worst = std::max(worst, std::abs(b[i] - exact[i]));
+    return worst;
+  }
+  int nodes, size = 0;
+  std::vector<bool> is_closed;
+  SparsePattern pattern;
+};
+
+}  // namespace
+
+TEST_CASE("a factor by that of a matrix with other switches closed", "[unit]") {
+  SwitchedChain chain(40);
+  const KluOrdering ordering(chain.pattern);
+  std::vector<KluFactor> factors(2, KluFactor(ordering));
+  REQUIRE(factors[0].factor(chain.values()) == Factored::good);
+  CHECK(chain.error(factors[0]) < rounding);
+  for (int event = 0; event < 200; ++event) {  // of one to three switches, each from what the one before has left
+    for (int k = 0; k <= event % 3; ++k) {
+      const auto i = static_cast<std::size_t>((7 * event + 13 * k) % chain.nodes);
+      chain.is_closed[i] = !chain.is_closed[i];
+    }
+    const auto now = static_cast<std::size_t>(event % 2);
+    REQUIRE(factors[1 - now].factor_near(factors[now], chain.values()) == Factored::good);
+    CHECK(chain.error(factors[1 - now]) < 10.0 * rounding);
+    KluFactor anew(ordering);
+    REQUIRE(anew.factor(chain.values()) == Factored::good);
+    CHECK(factors[1 - now].entries() == anew.entries());
+  }
+  CHECK(ordering.counts.partial_factorizations == 200);
+}
+
+TEST_CASE("a factor by that of a matrix at another scale of rows, and of one that becomes singular", "[unit]") {
+  const KluOrdering ordering(full(3));
+  KluFactor first(ordering), second(ordering);
+  REQUIRE(first.factor(by_columns({{4.0, 0.0, 1.0}, {1.0, 2.0, 0.0}, {0.0, 1.0, 1.0}})) == Factored::good);
+  REQUIRE(second.factor_near(first, by_columns({{4.0, 0.0, 1.0}, {1.0, 2.0, 0.0}, {0.0, 1e9, 1e6}})) == Factored::good);
+  std::vector<double> b{7.0, 5.0, 2.003e9};  // x = (1, 2, 3)
+  second.solve(b.data());
+  for (std::size_t i = 0; i < 3; ++i) CHECK(b[i] == Approx(static_cast<double>(i) + 1.0).epsilon(rounding));
+  KluFactor third(ordering);
+  CHECK(third.factor_near(second, by_columns({{4.0, 0.0, 1.0}, {1.0, 2.0, 0.0}, {4.0, 0.0, 1.0}})) == Factored::singular);
+  REQUIRE(third.factor_near(second, by_columns({{4.0, 0.0, 1.0}, {1.0, 2.0, 0.0}, {0.0, 1.0, 1.0}})) == Factored::good);
+  std::vector<double> c{7.0, 5.0, 5.0};
+  third.solve(c.data());
+  for (std::size_t i = 0; i < 3; ++i) CHECK(c[i] == Approx(static_cast<double>(i) + 1.0).epsilon(rounding));
+}
+
+// Kept pivots may have let entries grow: columns are not taken over from there.
+TEST_CASE("a factor with the pivots of another matrix gives none on", "[unit]") {
+  SwitchedChain chain(10);
+  const KluOrdering ordering(chain.pattern);
+  KluFactor first(ordering), second(ordering), third(ordering);
+  REQUIRE(first.factor(chain.values()) == Factored::good);
+  REQUIRE(second.refactor_as(first, chain.values()) == Factored::good);
+  CHECK(first.has_own_pivots());
+  CHECK_FALSE(second.has_own_pivots());
+  chain.is_closed[3] = true;
+  REQUIRE(third.factor_near(second, chain.values()) == Factored::good);
+  CHECK(ordering.counts.partial_factorizations == 0);
+  CHECK(chain.error(third) < rounding);
 }

@@ -267,14 +267,14 @@ bool ExactSegment::has_digits() {
 
 /// Begins the space for the signs alone, with a factor that may be rough. True: these are wrong. `is_begun`: the space is as good as any.
 bool ExactSegment::is_wrong_by_signs(Factors& factors, double shift, const Origin& start, bool& is_begun) {
-  const Factor* factor = factors.at(shift, start.on, passing_ < 0);
+  const Factor* factor = factors.at(shift, start.on);
   if (!factor || has_lost_rank(*factor)) return false;
   space_.begin_roughly(passing_ < 0);
   const auto begun = space_.begin(*factor, shift, start.on, {start.z, start.more, zeta_}, peak_);
   space_.begin_roughly(false);
   if (begun != KrylovSpace::Begun::yes || !std::isfinite(space_.start_size())) return false;
   size_ = std::max(peak_, space_.start_size());
-  is_begun = !factor->is_rough() && space_.is_refined();
+  is_begun = space_.is_refined();
   return has_wrong_signs();
 }
 
@@ -332,7 +332,7 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start, 
 /// Whether the position is singular at a step only because that is so short that rounding hides what its ports move in it: what it holds at zero by ε would then not be held.
 bool ExactSegment::has_lost_rank(const Factor& factor) {
   bool& is_regular = habits_[key_].is_regular;
-  is_regular |= !factor.closing() && !factor.is_rough();
+  is_regular |= !factor.closing();
   return is_regular && factor.closing();
 }
 

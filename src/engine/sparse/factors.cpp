@@ -20,8 +20,8 @@ constexpr std::size_t fewest_factors = 3, most_factors = 1024;  ///< a period of
 constexpr std::size_t first_kept = 16, growth_of_kept = 2;  ///< factors; where one that was given up is wanted again, so many times more
 constexpr std::size_t most_given_up = 4096;                 ///< that are known
 /// A position so few ports away from one that is factored is reached by their columns, of which it may have so many times more; solved for so often, by a factor of its
-/// own. For signs alone ports and columns may be as many as take this multiple of the factor's entries.
-constexpr std::size_t most_closings = 4, columns_of_flip = 8, columns_of_factor = 2;
+/// own.
+constexpr std::size_t most_closings = 4, columns_of_flip = 8;
 constexpr std::size_t most_shared = 8;  ///< ties of a position among which the least norm is sought
 constexpr int uses_of_update = 32;
 
@@ -77,9 +77,10 @@ void Factors::keep_more_if_missed(double shift, const Position& on) {
 /// Once there is no room: the oldest of at least two with the same position, whose pivots are good, or the oldest of all.
 Factors::Entry& Factors::slot(const Position& on) {
   const bool known = !entries_.empty() && entries_.front().factor.klu_;
-  const std::size_t each = known ? bytes_of_entry * entries_.front().factor.klu_->entries() +
-                                       most_flips(entries_.front().factor) * sizeof(double) * static_cast<std::size_t>(descriptor_.size())
-                                 : 0;
+  const std::size_t each =
+      known ? bytes_of_entry * entries_.front().factor.klu_->entries() +
+                  (most_closings * static_cast<std::size_t>(descriptor_.size()) + descriptor_.pattern().entries()) * sizeof(double)
+            : 0;
   const std::size_t room = each == 0 ? fewest_factors : std::clamp(most_bytes / each, fewest_factors, kept_);
   if (entries_.size() < room) return entries_.emplace_back(Entry{});
   Entry* oldest = &entries_.front();
@@ -100,7 +101,10 @@ Factors::Entry& Factors::slot(const Position& on) {
 linalg::Factored Factors::factor(Entry& entry, const Descriptor::Closing& closing, const linalg::KluFactor* pivots) {
   Factor& f = entry.factor;
   descriptor_.matrix(entry.shift, closing, f.unit_, values_);
-  const auto factored = pivots ? f.klu_->refactor_as(*pivots, values_) : f.klu_->factor(values_);
+  const linalg::KluFactor* near = pivots ? nullptr : latest(entry);
+  const auto factored = pivots ? f.klu_->refactor_as(*pivots, values_)
+                        : near ? f.klu_->factor_near(*near, values_)
+                               : f.klu_->factor(values_);
   if (factored != linalg::Factored::good) return factored;
   const bool may_be_rounding = !(parts_ && parts_->tells_all()) && f.klu_->pivot_ratio() < tolerance::doubtful_pivot;
   return may_be_rounding && !recovers(f, entry.shift, closing) ? linalg::Factored::singular : factored;
@@ -129,6 +133,20 @@ const linalg::KluFactor* Factors::like(const Entry& entry) const {
   return nullptr;
 }
 
+/// A factor of its own at the same shift.
+bool Factors::is_base_of(const Entry& entry, const Entry& other) const {
+  return &other != &entry && other.used > 0 && !other.factor.closing_ && other.factor.flips_.empty() &&
+         std::abs(other.shift - entry.shift) <= tolerance::same_shift * entry.shift;
+}
+
+/// The one at the same shift that was used last, from which the wanted one differs little: positions follow on each other by events.
+const linalg::KluFactor* Factors::latest(const Entry& entry) const {
+  const Entry* latest = nullptr;
+  for (const Entry& other : entries_)
+    if (is_base_of(entry, other) && other.factor.klu_->has_own_pivots() && (!latest || other.used > latest->used)) latest = &other;
+  return latest ? latest->factor.klu_.get() : nullptr;
+}
+
 linalg::Factored Factors::factor(Entry& entry, const std::vector<int>& ties, bool same_pivots) {
   Factor& f = entry.factor;
   f.descriptor_ = &descriptor_;
@@ -136,7 +154,6 @@ linalg::Factored Factors::factor(Entry& entry, const std::vector<int>& ties, boo
   f.columns_ = std::make_shared<Factor::Columns>();
   f.columns_->of_port.resize(entry.on.size());
   f.closing_.reset();
-  f.is_rough_ = false;
   f.ties_.clear();
   f.open_.clear();
   f.unit_ = descriptor_.mean_admittance(entry.shift);
@@ -179,22 +196,13 @@ void Factors::find_open(Entry& entry) {
   f.shares_.compute(free.transpose() * free);
 }
 
-/// Ports that may tell a position from that of a factor that it is reached from.
-std::size_t Factors::most_flips(const Factor& base) const {
-  const bool has_unknowns = descriptor_.size() > 0;  // the part of sources alone has none where only currents of current sources are saved
-  if (!keeps_digits_ || !has_unknowns) return most_closings;
-  return std::max(most_closings, columns_of_factor * base.klu_->entries() / static_cast<std::size_t>(descriptor_.size()));
-}
-
 /// The factor of the same shift that the fewest ports tell from the wanted one; null where these are too many.
 const Factors::Entry* Factors::nearest(const Entry& entry) const {
   const Entry* best = nullptr;
   std::size_t fewest = entry.on.size() + 1;
   for (const Entry& other : entries_) {
-    if (&other == &entry || other.used == 0 || other.factor.closing_ || !other.factor.ties_.empty() || !other.factor.flips_.empty())
-      continue;
-    if (std::abs(other.shift - entry.shift) > tolerance::same_shift * entry.shift) continue;
-    const std::size_t enough = std::min(fewest, most_flips(other.factor) + 1);
+    if (!is_base_of(entry, other) || !other.factor.ties_.empty()) continue;
+    const std::size_t enough = std::min(fewest, most_closings + 1);
     std::size_t count = 0;
     for (std::size_t i = 0; i < entry.on.size() && count < enough; ++i) count += entry.on[i] != other.on[i] ? 1 : 0;
     if (count >= enough) continue;
@@ -224,7 +232,7 @@ bool Factors::update(Entry& entry) {
   const auto k = static_cast<Eigen::Index>(f.flips_.size());
   const auto missing = static_cast<std::size_t>(std::count_if(
       f.flips_.begin(), f.flips_.end(), [&](int port) { return f.columns_->of_port[static_cast<std::size_t>(port)].empty(); }));
-  if (f.columns_->count + missing > most_flips(f) * (keeps_digits_ ? 1 : columns_of_flip)) return false;
+  if (f.columns_->count + missing > most_closings * columns_of_flip) return false;
   linalg::Matrix s(k, k);
   f.flipped_on_.clear();
   for (const int port : f.flips_) f.flipped_on_.push_back(entry.on[static_cast<std::size_t>(port)]);
@@ -238,9 +246,7 @@ bool Factors::update(Entry& entry) {
   f.small_.compute(f.scale_.asDiagonal() * s * f.scale_.asDiagonal());
   if (!(lcp::reciprocal_condition(f.small_) > tolerance::update_condition)) return false;
   note_known(*base);
-  const double error = backward_error(f);
-  if (!(error <= (keeps_digits_ ? tolerance::rough_residual : tolerance::update_residual))) return false;
-  f.is_rough_ = keeps_digits_;
+  if (!(backward_error(f) <= tolerance::update_residual)) return false;
   entry.factor = std::move(f);
   return true;
 }
@@ -289,9 +295,9 @@ double Factors::backward_error(const Factor& factor) const {
   return worst;
 }
 
-const Factor* Factors::at(double shift, const Position& on, bool may_be_rough) {
+const Factor* Factors::at(double shift, const Position& on) {
   Entry* entry = find(shift, on);
-  const bool worn = entry && !entry->factor.flips_.empty() && (entry->uses >= uses_of_update || (entry->factor.is_rough_ && !may_be_rough));
+  const bool worn = entry && !entry->factor.flips_.empty() && entry->uses >= uses_of_update;
   if (!entry || worn) {
     if (!entry) {
       keep_more_if_missed(shift, on);
@@ -303,7 +309,7 @@ const Factor* Factors::at(double shift, const Position& on, bool may_be_rough) {
     entry->shift = shift;
     entry->on = on;
     const std::vector<int> ties = parts_ ? parts_->ties(on) : std::vector<int>{};
-    if (worn || !ties.empty() || (keeps_digits_ && !may_be_rough) || !update(*entry)) {
+    if (worn || !ties.empty() || keeps_digits_ || !update(*entry)) {
       const auto factored = factor(*entry, ties, same_pivots);
       if (factored != linalg::Factored::good) {
         singular_unknown_ = entry->factor.klu_->singular_column();

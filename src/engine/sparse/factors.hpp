@@ -32,8 +32,6 @@ class Factor {
   [[nodiscard]] bool is_as_it_stands() const { return !closing_ && ties_.empty(); }
   /// The largest admittance that meets in a node, times R0; only where there are ties.
   [[nodiscard]] double stiffest() const { return stiffest_; }
-  /// Good for signs, but not to the last digits.
-  [[nodiscard]] bool is_rough() const { return is_rough_; }
   /// What the ties settle, one vector of unknowns each, largest entry one; none where there are too many.
   [[nodiscard]] const std::vector<std::vector<double>>& open() const { return open_; }
   /// x = (JᵀJ)⁻¹ r, J the free variables of all ports in the open vectors.
@@ -48,7 +46,6 @@ class Factor {
   std::shared_ptr<linalg::KluFactor> klu_;
   double unit_ = 1.0;
   std::optional<Descriptor::Closing> closing_;
-  bool is_rough_ = false;
   std::vector<int> ties_;
   double stiffest_ = 0.0;
   std::vector<std::vector<double>> open_;
@@ -74,15 +71,14 @@ class Factors {
  public:
   /// `reltol`: of the run; ε is a thousandth of it, within 1e-10 and 1e-7.
   Factors(const model::Network& network, const Descriptor& descriptor, double reltol = 1e-5);
-  /// From now on a position has a factor of its own with the largest pivots, but where digits do not count: solutions by columns of another's are right to the largest unknown only.
+  /// From now on a position has a factor of its own with the largest pivots: solutions by columns of another's are right to the largest unknown only.
   void keep_digits() {
     keeps_digits_ = true;
     ordering_.pivot_on_largest();
   }
 
   /// Null where the matrix is singular. Valid until the next call. Shifts that agree to 1e-11 count as one.
-  /// `may_be_rough`: six digits are enough.
-  [[nodiscard]] const Factor* at(double shift, const Position& on, bool may_be_rough = false);
+  [[nodiscard]] const Factor* at(double shift, const Position& on);
   /// Whether ports that conduct in the second position may share currents that they do not in the first. Where the graph does not tell, they may.
   [[nodiscard]] bool may_share(const Position& on, const Position& shared) const {
     return !parts_ || !parts_->tells_all() || parts_->loops(shared) > parts_->loops(on);
@@ -109,7 +105,8 @@ class Factors {
   [[nodiscard]] linalg::Factored factor(Entry& entry, const Descriptor::Closing& closing, const linalg::KluFactor* pivots);
   [[nodiscard]] const linalg::KluFactor* like(const Entry& entry) const;
   void find_open(Entry& entry);
-  [[nodiscard]] std::size_t most_flips(const Factor& base) const;
+  [[nodiscard]] bool is_base_of(const Entry& entry, const Entry& other) const;
+  [[nodiscard]] const linalg::KluFactor* latest(const Entry& entry) const;
   [[nodiscard]] const Entry* nearest(const Entry& entry) const;
   [[nodiscard]] const std::vector<double>& column(const Factor& base, int port) const;
   [[nodiscard]] bool update(Entry& entry);

@@ -150,9 +150,6 @@ inline constexpr double recovered = 1e-3;
 /// Of: the terms of a row.
 /// Why: the digits of a segment: an updated factor that is worse is made anew.
 inline constexpr double update_residual = 1e-11;
-/// Of: the terms of a row.
-/// Why: enough for signs, which are judged to six digits there.
-inline constexpr double rough_residual = 1e-9;
 /// Of: one, as the reciprocal condition of the small matrix of an update.
 /// Why: four digits are lost, and eleven are left.
 inline constexpr double update_condition = 1e-4;
