@@ -35,6 +35,7 @@ void end_run(Answer& answer, Ending ending) {
 Ending interrupted(double time) { return {Outcome::interrupted, "E-interrupted", fmt::format("stopped at t = {} s by a signal", time)}; }
 
 Ending keeps_toggling(double time, std::vector<std::string> switches) {
+  switches.erase(std::unique(switches.begin(), switches.end()), switches.end());  // a comparison is two
   std::string text = fmt::format("the switches {}{}keep toggling at t = {} s: each state violates its own condition; try {}",
                                  fmt::join(switches, ", "), switches.empty() ? "" : " ", time, cure_of(switches));
   return {Outcome::no_solution, "E-no-settle", std::move(text), std::move(switches)};

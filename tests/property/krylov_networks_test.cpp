@@ -139,6 +139,16 @@ TEST_CASE("networks whose solutions by Krylov segments lose digits are corrected
   CHECK(outcome.kind == Kind::agrees);
 }
 
+// What only an inductor and a diode in series tie to the rest carries nothing, whatever the diode does: their current is rounding, and the impulse with which a start current goes lifts all
+// that hangs there by 10⁹ V, which left capacitors and small currents no digits (E-no-solution).
+TEST_CASE("networks in which nothing closes a loop through a diode agree by Krylov segments", "[property]") {
+  const auto [seed, name] = GENERATE(table<std::uint64_t, std::string>(
+      {{11961, "no sources"}, {41538, "floating"}, {41554, "floating"}, {41993, "floating"}, {71057, "up to twelve ports"}}));
+  const Outcome outcome = run_both(make_random_network(seed, family(name).recipe));
+  INFO(seed << ": " << outcome.what);
+  CHECK(outcome.kind == Kind::agrees);
+}
+
 // A jump in steps of 10⁻¹¹ of the usual length, whose impulses left states no digits, was 2e-4 off.
 TEST_CASE("a network without a position by Krylov segments ends in an error", "[property]") {
   const Outcome outcome = run_both(make_random_network(40969, family("floating").recipe));
@@ -147,8 +157,8 @@ TEST_CASE("a network without a position by Krylov segments ends in an error", "[
 }
 
 TEST_CASE("1,000 other networks of each family by Krylov segments", "[property][long]") {
-  static const std::map<std::string, int> most_named{{"all parts", 4},   {"no sources", 2}, {"little resistance", 0},
-                                                     {"many diodes", 2}, {"floating", 5},   {"up to twelve ports", 4}};
+  static const std::map<std::string, int> most_named{{"all parts", 3},   {"no sources", 0}, {"little resistance", 0},
+                                                     {"many diodes", 1}, {"floating", 0},   {"up to twelve ports", 2}};
   const auto [name, allowed] = GENERATE(from_range(most_named));
   check_networks(name, others, others, allowed);
 }

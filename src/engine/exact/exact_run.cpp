@@ -224,7 +224,7 @@ void ExactRun::open_island(IslandRun& island, Instant& instant) {
   Opened& opened = opened_[number_of(island)];
   if (opened == Opened::no) opened = Opened::from_outside;
   // What lies between the last of many events and their limit is no segment.
-  const double length = island.is_at_limit(instant.time) ? 0.0 : instant.time - island.segment().anchor;
+  const double length = island.is_at_limit(instant.time) ? 0.0 : std::max(island.length_until(instant.time, instant.late), 0.0);
   recorders_.opens(at(island, instant.time), length);
   const Opening opening{!island.is_open() && island.mode != nullptr, opened == Opened::from_outside,
                         island.next_break() <= instant.time + tolerance_};

@@ -4,22 +4,20 @@
 
 #include "engine/exact/exact_run.hpp"
 #include "engine/remarks.hpp"
+#include "engine/switch_rounds.hpp"
 
 namespace pwlsim::engine {
-
-namespace {
-
-constexpr int most_rounds = 200;  ///< of switches answering switches at one instant: logic has long chains
-
-}  // namespace
 
 /// Sources have moved: first the switches that only they drive, so that no mode between two positions is ever entered; then modes, and what those do to
 /// the other switches, until nothing moves. Parts without states have their turn first, then those with states, at last those that steer nothing: logic
 /// that settles reaches them as one change, however long its chains are.
 bool ExactRun::settle(Instant& instant, bool at_start) {
   std::fill(rested_.begin(), rested_.end(), 0);
-  for (int round = 0; round < most_rounds; ++round) {
-    if (flip_without_mode(instant, at_start && round == 0) || (!sensing_.empty() && flip_passing(instant))) continue;
+  InstantRounds rounds;
+  for (bool is_first = true; rounds.next(); is_first = false) {
+    if (rounds.is_late())
+      for (const int i : last_flips_) rounds.note_late(static_cast<std::size_t>(i));
+    if (flip_without_mode(instant, at_start && is_first) || (!sensing_.empty() && flip_passing(instant))) continue;
     if (!logic_.empty() && select_logic(instant)) continue;
     if (!select_open(steering_, instant)) return false;
     if (!sensing_.empty() && (flip_violated(instant) || flip_at_rest(instant))) continue;
@@ -37,7 +35,7 @@ bool ExactRun::settle(Instant& instant, bool at_start) {
     return true;
   }
   std::vector<std::string> names;
-  for (const int i : last_flips_) names.push_back(model_.switches[static_cast<std::size_t>(i)].name);
+  for (const std::size_t i : rounds.restless()) names.push_back(model_.switches[i].name);
   fail(keeps_toggling(instant.time, std::move(names)));
   return false;
 }

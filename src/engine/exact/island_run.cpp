@@ -101,9 +101,10 @@ void IslandRun::open(double time, double late) {
   }
   at_limit_ = false;
   if (is_static() && next_break() <= time) return;  // nothing but sources, and they are about to be set
-  has_event_at(time) ? go_to_event(time) : go_to(time, late);
+  length_before_ = length_until(time, late);
+  has_event_at(time) ? go_to_event(time) : go_to_time();
   if (system_.exosystem->has_curved()) system_.exosystem->evaluate_curved(phase_, time, late_, y.data() + m.n1);
-  guard_watch_.look_inside(m, segment_.y0.data(), segment_.anchor, time - segment_.anchor);
+  guard_watch_.look_inside(m, segment_.y0.data(), segment_.anchor, length_before_);
   guard_watch_.look(m, y.data(), time);
   model::from_mode(system_, m, y.data(), x.data());
   continuity_watch_.begin(x.data());
@@ -113,7 +114,6 @@ void IslandRun::open(double time, double late) {
 void IslandRun::go_to_event(double time) {
   late_ = (event_time_ - time) + event_late_;
   linalg::copy(event_.y, mode->ny, segment_.y.data());
-  length_before_ = event_.tau;
   passed_row = event_.row;
   if (event_.row >= 0 && event_.row < system_.diodes) trigger = event_.row;
   is_settled_ = event_.row == settled;
@@ -121,8 +121,8 @@ void IslandRun::go_to_event(double time) {
 }
 
 /// The state at a time at which the island itself has no event.
-void IslandRun::go_to(double time, double late) {
-  const double tau = length_before_ = (time - segment_.anchor) + (late - segment_.late);
+void IslandRun::go_to_time() {
+  const double tau = length_before_;
   // The march may have stepped past this instant; then the anchor is the place to start from.
   const bool from_anchor = tau < segment_.tau;
   if (from_anchor) linalg::copy(segment_.y0.data(), mode->ny, segment_.y.data());
@@ -324,7 +324,8 @@ void IslandRun::add_signals(double time, double* out) {
     model::to_mode(system_, m, work_.data(), scratch_.data());
     return outputs_from(m, scratch_.data(), out);
   }
-  const double* y = row_state_.at(segment_, phase_, time);
+  // The rounding of times may be longer than what is fast: no row lies beyond the event.
+  const double* y = event_.found && time >= event_time_ ? event_.y : row_state_.at(segment_, phase_, time);
   const bool is_long = m.flow.rate() * (time - segment_.anchor) >= 1.0;  // else no guard can have dipped since it began
   if (is_long && (time < event_time_ || !event_.found)) guard_watch_.look(m, y, time);
   outputs_from(m, y, out);

@@ -48,6 +48,10 @@ class IslandRun {
   /// Whether the next event belongs to the instant `time`: it is before it, or within the tolerance after it.
   [[nodiscard]] bool has_event_at(double time) const { return event_.found && event_time_ <= (at_limit_ ? time : time + tolerance_); }
 
+  /// Of its segment, until it is opened at the instant `time` + `late`: rounding of times may be longer than what is fast.
+  [[nodiscard]] double length_until(double time, double late) const {
+    return has_event_at(time) ? event_.tau : (time - segment_.anchor) + (late - segment_.late);
+  }
   /// Opens the instant `time` + `late`, or that of the island's own event within the tolerance: sets x to the state just before it, with sources still at
   /// their left limit.
   void open(double time, double late);
@@ -127,7 +131,7 @@ class IslandRun {
   void take_diode_guards();
   void take_guard_rows();
   void go_to_event(double time);
-  void go_to(double time, double late);
+  void go_to_time();
   void note_coarse(double time);
   void outputs_from(const model::Mode& m, const double* y, double* out);
 

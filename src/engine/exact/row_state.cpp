@@ -29,7 +29,7 @@ const double* RowState::at(const Segment& segment, const model::Exosystem::Phase
   const double step = (time - time_) - late_;
   if (std::abs(step - step_) <= tolerance::row_step * step_ && ++propagator_->uses >= worth_building) {
     advance_by_step(mode, time);
-  } else {
+  } else if (time > time_) {  // a row at the segment's begin is what it begins with, however its time is rounded
     if (step > 0.0) mode.flow.apply(step, y_.data(), work_.data());
     time_ = time;
     late_ = 0.0;

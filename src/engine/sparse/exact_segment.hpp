@@ -67,7 +67,7 @@ class ExactSegment {
   [[nodiscard]] std::vector<double> euler_end(double h) const;
 
   /// After `open`, where states jump: what impulses make of the unknowns in a step of the segment's own.
-  [[nodiscard]] std::vector<double> impulses() const { return space_.impulses(); }
+  [[nodiscard]] std::vector<double> impulses() { return space_.impulses(); }
   /// Its length, s.
   [[nodiscard]] double step_length() const { return 1.0 / space_.shift(); }
   /// √energy of the difference of two points' states, of the largest √energy.

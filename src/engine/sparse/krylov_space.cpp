@@ -96,12 +96,14 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   const Vector before = Eigen::Map<const Vector>(start.zeta.data(), static_cast<Eigen::Index>(start.zeta.size()));
   const Vector zeta = after_step(exosystem_, 1.0 / shift, before);
   resting_.find(on, {start.z, start.more, !before.isZero(0.0)}, state_weight_, size);
-  begin_change(start, before);
+  given_start_ = start_ = start.z;
+  resting_.cut_off(start_);
+  begin_change({start_, start.more, start.zeta}, before);
   given_ = right_;
   factor.solve(right_);
   refine(right_, tolerance::refined_solution * size);
   rounding_ = is_refined_ ? rounding_of(right_, tolerance::first_solution * size) : 0.0;
-  for (std::size_t i = 0; i < right_.size(); ++i) right_[i] += start.z[i];
+  for (std::size_t i = 0; i < right_.size(); ++i) right_[i] += start_[i];
   rounding_ = std::hypot(rounding_, rounding_of_sums(right_));
   const Vector w = exosystem_.values(zeta);
   const double one = zeta[exosystem_.constant()];
@@ -138,11 +140,12 @@ std::vector<double> KrylovSpace::next_unknowns() const {
   return z;
 }
 
-std::vector<double> KrylovSpace::impulses() const {
+std::vector<double> KrylovSpace::impulses() {
   const Vector c = norm_ * k_.col(0);  // (1 − γ A_m)⁻¹ = 1 + H takes y(0) to norm·e₁
   std::vector<double> z(static_cast<std::size_t>(descriptor_.size()));
   Eigen::Map<Vector>(z.data(), vectors_.rows()) =
       norm_ * vectors_.col(0) - vectors_.leftCols(dimension_) * c - changes_.leftCols(dimension_) * c;
+  resting_.add_impulses(given_start_, stores_, shift_, z);
   return z;
 }
 

@@ -70,7 +70,7 @@ class KrylovSpace {
   /// S z₀
   [[nodiscard]] std::vector<double> first_unknowns() const;
   /// What impulses at the start make of S z₀, γ times which they are: S z₀ without S z(0).
-  [[nodiscard]] std::vector<double> impulses() const;
+  [[nodiscard]] std::vector<double> impulses();
   /// y(0).
   [[nodiscard]] const linalg::Vector& first() const { return first_; }
   [[nodiscard]] const linalg::Exponential& flow() const { return flow_; }
@@ -203,7 +203,8 @@ class KrylovSpace {
   std::vector<double> right_, product_, sizes_, values_, work_;
   std::vector<linalg::Wide> wide_;
   std::vector<Checkpoint> estimate_;
-  std::vector<double> given_;  ///< right-hand side of the last solution
+  std::vector<double> given_start_, start_;  ///< z₀ as it was given, and without what carries nothing
+  std::vector<double> given_;                ///< right-hand side of the last solution
 };
 
 }  // namespace pwlsim::engine::sparse

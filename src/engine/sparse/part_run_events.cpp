@@ -8,12 +8,12 @@
 #include "engine/sparse/jumps.hpp"
 #include "engine/sparse/part_run.hpp"
 #include "engine/sparse/tolerances.hpp"
+#include "engine/switch_rounds.hpp"
 
 namespace pwlsim::engine::sparse {
 
 namespace {
 
-constexpr int most_rounds = 200;  ///< of switches answering switches at one instant: logic has long chains
 constexpr double room_share = 1.0 / 16.0;
 /// A state that moves at an instant by more than the tolerance jumps, or there is a motion shorter than the Euler steps: which of the two, steps tell that
 /// are so much shorter, and shorter than any time constant.
@@ -73,7 +73,14 @@ bool PartRun::flip_at_rest(const Point& at, Instant& instant) {
 /// until none moves. False: no position (trial_.solved); `failure_` names the switches that keep toggling.
 bool PartRun::settle(double h, Instant& instant, Point& first) {
   for (WatchedControl& control : controls_) control.has_rested = false;
-  for (int round = 0; round < most_rounds; ++round) {
+  InstantRounds rounds;
+  Position before;
+  while (rounds.next()) {
+    if (rounds.is_late()) {
+      for (std::size_t i = 0; i < before.size(); ++i)
+        if (point_.on[i] != before[i] && descriptor_.ports()[i].is_switch) rounds.note_late(i);
+      before = point_.on;
+    }
     if (flip(point_, true, instant.time + h, instant, point_.on)) continue;
     descriptor_.hold_blocked(point_.on);
     trial_.solved = stepper_.euler(point_, h, first, start_memory_);
@@ -82,8 +89,7 @@ bool PartRun::settle(double h, Instant& instant, Point& first) {
     if (!flip(first, false, instant.time + h, instant, point_.on) && !flip_at_rest(first, instant)) return true;
   }
   std::vector<std::string> restless;
-  for (const WatchedControl& control : controls_)
-    if (point_.on[control.port] != position_before_[control.port]) restless.push_back(descriptor_.ports()[control.port].name);
+  for (const std::size_t i : rounds.restless()) restless.push_back(descriptor_.ports()[i].name);
   fail(keeps_toggling(instant.time, std::move(restless)));
   trial_.solved = Solved::no_position;
   return false;

@@ -7,6 +7,7 @@
 
 #include "base/arithmetic.hpp"
 #include "engine/sparse/interior_point.hpp"
+#include "engine/sparse/resting_parts.hpp"
 #include "engine/sparse/tolerances.hpp"
 #include "lcp/solve.hpp"
 
@@ -108,6 +109,16 @@ double PortSolver::largest_voltage(const std::vector<double>& z) const {
   return largest(std::span(z).first(static_cast<std::size_t>(descriptor_.nodes())));
 }
 
+/// Whether a port that is on carries nothing but rounding, as no current can flow through it.
+bool PortSolver::is_idle(std::size_t port, const Position& on) {
+  if (idle_on_ != on) {
+    if (!resting_) resting_ = std::make_unique<RestingParts>(descriptor_);
+    idle_on_ = on;
+    idle_ = resting_->idle_ports(on);
+  }
+  return idle_[port] != 0;
+}
+
 /// An input is judged against the largest of all, a slack against the voltages it is a difference of and the largest of the run.
 std::vector<int> PortSolver::violated(const Stage& stage, const Position& on, const std::vector<double>& z, double tolerance) {
   const auto diodes = static_cast<std::size_t>(descriptor_.first_switch());
@@ -129,7 +140,8 @@ std::vector<int> PortSolver::violated(const Stage& stage, const Position& on, co
     const double size = on[i] != 0 ? input : std::max(scale_.slack, stage.slack_size(p, z.data()));
     const double beyond = stage.free_variable(p, on[i] != 0, z.data()) + tolerance * size;
     if (beyond >= 0.0) return true;
-    return on[i] != 0 && beyond >= -(by_rows_ ? rounding_by_rows(stage, on, i, z) : rounding_of_input(stage.shift, on, i, voltage));
+    return on[i] != 0 &&
+           (is_idle(i, on) || beyond >= -(by_rows_ ? rounding_by_rows(stage, on, i, z) : rounding_of_input(stage.shift, on, i, voltage)));
   };
   negative.erase(std::remove_if(negative.begin(), negative.end(), within), negative.end());
   return negative;

@@ -26,6 +26,7 @@ enum class Solved { yes, singular, no_position };
 enum class Search { none, newton, all };
 
 class InteriorPoint;
+class RestingParts;
 
 class PortSolver {
  public:
@@ -79,6 +80,7 @@ class PortSolver {
   [[nodiscard]] Sizes sizes(const std::vector<double>& z) const;
   [[nodiscard]] double rounding_by_rows(const Stage& stage, const Position& on, std::size_t port, const std::vector<double>& z);
   void measure_rows(const Stage& stage, const Position& on, const std::vector<double>& z);
+  [[nodiscard]] bool is_idle(std::size_t port, const Position& on);
   [[nodiscard]] std::vector<int> violated(const Stage& stage, const Position& on, const std::vector<double>& z, double tolerance);
   [[nodiscard]] Solved iterate(const Stage& stage, double tolerance, Position& on, std::vector<double>& step, std::vector<double>& z);
   [[nodiscard]] Solved settle_by_interior(const Stage& stage, Position& on, std::vector<double>& step, std::vector<double>& z);
@@ -97,6 +99,9 @@ class PortSolver {
   std::vector<int> disputed_;
   std::vector<double> right_, refined_, residual_, sizes_, values_, probe_, row_sizes_;
   std::unique_ptr<InteriorPoint> interior_;  ///< once it is needed
+  std::unique_ptr<RestingParts> resting_;    ///< likewise
+  Position idle_on_;                         ///< the position in which idle_ is known
+  std::vector<char> idle_;
   std::uint64_t pivots_ = 0;
   bool by_rows_ = false;
   bool repeated_ = false;  ///< Newton's method came back to a position

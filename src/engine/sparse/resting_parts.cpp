@@ -70,20 +70,21 @@ void RestingParts::add_ports() {
 void RestingParts::find(const Position& on, const Origin& start, const std::vector<double>& weights, double size) {
   nodes_.clear();
   currents_.clear();
+  const bool is_known = is_divided_ && divided_on_ == on && has_sources_ == start.has_sources;
   on_ = &on;
   has_sources_ = start.has_sources;
   const auto& states = descriptor_.states();
-  bool any = false;
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    const bool is_empty = weights[i] * std::abs(states[i].value(start.z.data())) <= tolerance::at_rest * size;
-    holds_[i] = is_empty ? 0 : 1;
-    any |= is_empty;
-  }
+  for (std::size_t i = 0; i < states.size(); ++i)
+    holds_[i] = weights[i] * std::abs(states[i].value(start.z.data())) > tolerance::at_rest * size ? 1 : 0;
   rests_.assign(edges_.size(), 0);
-  if (any) {
+  if (!is_known) {
+    is_divided_ = true;
+    divided_on_ = on;
     merge();
-    find_blocks(start);
+    find_conducting();
+    blocks_ = blocks_of(static_cast<int>(at_.size()), ends_);
   }
+  find_blocks(start);
   take_out_ends(start);
 }
 
@@ -99,31 +100,50 @@ void RestingParts::merge() {
   for (int node = 0; node < count; ++node) members_[static_cast<std::size_t>(merged_.find(node))].push_back(node);
 }
 
-void RestingParts::find_blocks(const Origin& start) {
-  charged_.assign(at_.size(), 0);
-  for (int node = 1; node < static_cast<int>(at_.size()); ++node)
-    if (start.has_more(node - 1)) charged_[static_cast<std::size_t>(merged_.find(node))] = 1;
+/// Edges between sets.
+void RestingParts::find_conducting() {
   conducting_.clear();
   ends_.clear();
   for (std::size_t i = 0; i < edges_.size(); ++i) {
     const Edge& edge = edges_[i];
-    if (!conducts(edge) || is_wire(edge)) continue;
+    const int a = merged_.find(edge.a), b = merged_.find(edge.b);
+    if (!conducts(edge) || (is_wire(edge) && a == b)) continue;
     conducting_.push_back(static_cast<int>(i));
-    ends_.emplace_back(merged_.find(edge.a), merged_.find(edge.b));
+    ends_.emplace_back(a, b);
   }
-  const std::vector<Block> blocks = blocks_of(static_cast<int>(at_.size()), ends_);
-  std::vector<char> moving(blocks.size(), 0);
-  for (std::size_t b = 0; b < blocks.size(); ++b)
-    for (const int e : blocks[b].edges)
+}
+
+const std::vector<char>& RestingParts::idle_ports(const Position& on) {
+  on_ = &on;
+  has_sources_ = true;
+  is_divided_ = false;
+  merged_ = DisjointSets(static_cast<int>(at_.size()));
+  find_conducting();
+  idle_.assign(on.size(), 0);
+  const auto edge_of = [&](int e) -> const Edge& { return edges_[static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)])]; };
+  for (const Block& block : blocks_of(static_cast<int>(at_.size()), ends_)) {
+    if (!is_alone(block) && !std::all_of(block.edges.begin(), block.edges.end(), [&](int e) { return is_wire(edge_of(e)); })) continue;
+    for (const int e : block.edges)
+      if (const int port = edge_of(e).port; port >= 0) idle_[static_cast<std::size_t>(port)] = 1;
+  }
+  return idle_;
+}
+
+void RestingParts::find_blocks(const Origin& start) {
+  charged_.assign(at_.size(), 0);
+  for (int node = 1; node < static_cast<int>(at_.size()); ++node)
+    if (start.has_more(node - 1)) charged_[static_cast<std::size_t>(merged_.find(node))] = 1;
+  std::vector<char> moving(blocks_.size(), 0);
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    for (const int e : blocks_[b].edges)
       if (moves(static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)]), start)) moving[b] = 1;
-  spread(blocks, moving);
+  spread(moving);
   anchor_.assign(at_.size(), nowhere);
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const Block& block = blocks[b];
-    const bool is_alone = block.edges.size() == 1 && !block.is_loop;
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const Block& block = blocks_[b];
     for (const int e : block.edges) {
       const auto i = static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)]);
-      if (moving[b] == 0 || (is_alone && edges_[i].is_free() && !is_pushed(i, start))) rest(i);
+      if (moving[b] == 0 || (is_alone(block) && edges_[i].is_free() && !is_pushed(i, start))) rest(i);
     }
     moving[b] == 0 ? rest_nodes(block) : follow_nodes(block);
   }
@@ -147,16 +167,16 @@ bool RestingParts::moves(std::size_t edge, const Origin& start) {
 }
 
 /// What moves moves the inductors that are coupled to it.
-void RestingParts::spread(const std::vector<Block>& blocks, std::vector<char>& moving) {
+void RestingParts::spread(std::vector<char>& moving) {
   std::vector<std::size_t> block_of(edges_.size(), 0), open;
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    for (const int e : blocks[b].edges) block_of[static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)])] = b;
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    for (const int e : blocks_[b].edges) block_of[static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)])] = b;
     if (moving[b] != 0) open.push_back(b);
   }
   while (!open.empty()) {
     const std::size_t b = open.back();
     open.pop_back();
-    for (const int e : blocks[b].edges)
+    for (const int e : blocks_[b].edges)
       for (const int other : edges_[static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)])].coupled) {
         const std::size_t next = block_of[static_cast<std::size_t>(other)];
         if (std::exchange(moving[next], 1) == 0) open.push_back(next);
@@ -201,7 +221,7 @@ const std::vector<int>& RestingParts::sets_of(const Block& block) {
 
 /// An element at a node where nothing else moves carries nothing, whatever is stored.
 void RestingParts::take_out_ends(const Origin& start) {
-  ends_.clear();
+  std::vector<std::pair<int, int>> ends;
   open_.resize(at_.size() - 1);
   std::iota(open_.begin(), open_.end(), 1);
   while (!open_.empty()) {
@@ -219,10 +239,10 @@ void RestingParts::take_out_ends(const Origin& start) {
     if (edge.a == edge.b || !edge.is_free() || has_more_current(edge, start)) continue;
     rest(i);
     const int other = edge.a == node ? edge.b : edge.a;
-    if (i >= descriptor_.states().size() && !is_source(edge) && !edge.is_controlled) ends_.emplace_back(node, other);
+    if (i >= descriptor_.states().size() && !is_source(edge) && !edge.is_controlled) ends.emplace_back(node, other);
     open_.push_back(other);
   }
-  for (auto end = ends_.rbegin(); end != ends_.rend(); ++end) nodes_.push_back({end->first - 1, end->second - 1});
+  for (auto end = ends.rbegin(); end != ends.rend(); ++end) nodes_.push_back({end->first - 1, end->second - 1});
 }
 
 void RestingParts::hold(std::vector<double>& z) const {
@@ -231,7 +251,29 @@ void RestingParts::hold(std::vector<double>& z) const {
                  before = std::exchange(z[static_cast<std::size_t>(held.node)], value);
     for (const int follower : held.followers) z[static_cast<std::size_t>(follower)] += value - before;
   }
+  cut_off(z);
+}
+
+void RestingParts::cut_off(std::vector<double>& z) const {
   for (const int current : currents_) z[static_cast<std::size_t>(current)] = 0.0;
+}
+
+void RestingParts::add_impulses(const std::vector<double>& start, const std::vector<double>& stores, double factor,
+                                std::vector<double>& z) {
+  const std::size_t first = descriptor_.network().capacitors.size(), end = descriptor_.states().size();
+  std::vector<double> lift(at_.size(), 0.0);  // of sets; a block comes after the one that it hangs on
+  for (const Block& block : blocks_) {
+    const auto e = static_cast<std::size_t>(conducting_[static_cast<std::size_t>(block.edges.front())]);
+    double more = lift[static_cast<std::size_t>(block.hangs_on)];
+    if (is_alone(block) && rests_[e] != 0 && e >= first && e < end) {
+      const auto current = static_cast<std::size_t>(edges_[e].currents.front());
+      const double impulse = -factor * stores[current] * start[current];
+      more += merged_.find(edges_[e].a) == block.hangs_on ? -impulse : impulse;
+    }
+    for (const int set : sets_of(block)) lift[static_cast<std::size_t>(set)] = more;
+  }
+  for (int node = 1; node < static_cast<int>(at_.size()); ++node)
+    z[static_cast<std::size_t>(node) - 1] += lift[static_cast<std::size_t>(merged_.find(node))];
 }
 
 }  // namespace pwlsim::engine::sparse

@@ -32,6 +32,12 @@ class RestingParts {
   void find(const Position& on, const Origin& start, const std::vector<double>& weights, double size);
   /// Takes the rounding out of what is at rest.
   void hold(std::vector<double>& z) const;
+  /// No current in what is at rest. The current of an inductor that is a block alone goes at once; its impulse of voltage lifts all that hangs on it, and moves nothing there.
+  void cut_off(std::vector<double>& z) const;
+  /// Adds these impulses where the inductors carried the currents of `start`: of each volt-seconds are −`stores` times the current.
+  void add_impulses(const std::vector<double>& start, const std::vector<double>& stores, double factor, std::vector<double>& z);
+  /// Of each port whether its current is zero in a position whatever is stored and whatever drives: it is a block alone, or in one of ideal wires, around which nothing drives a current.
+  [[nodiscard]] const std::vector<char>& idle_ports(const Position& on);
 
  private:
   struct Edge {
@@ -53,16 +59,18 @@ class RestingParts {
     int node, at;                  ///< unknowns of a node at rest, and of that whose voltage it has (−1: ground)
     std::vector<int> followers{};  ///< nodes that hang on it and move
   };
+  void find_conducting();
   void merge();
   void find_blocks(const Origin& start);
   [[nodiscard]] bool moves(std::size_t edge, const Origin& start);
   [[nodiscard]] static bool has_more_current(const Edge& edge, const Origin& start);
   [[nodiscard]] bool is_pushed(std::size_t edge, const Origin& start);
-  void spread(const std::vector<Block>& blocks, std::vector<char>& moving);
+  void spread(std::vector<char>& moving);
   void rest(std::size_t edge);
   void rest_nodes(const Block& block);
   void follow_nodes(const Block& block);
   [[nodiscard]] const std::vector<int>& sets_of(const Block& block);
+  [[nodiscard]] static bool is_alone(const Block& block) { return block.edges.size() == 1 && !block.is_loop; }
   void take_out_ends(const Origin& start);
 
   const Descriptor& descriptor_;
@@ -71,6 +79,8 @@ class RestingParts {
   std::vector<std::vector<int>> at_;  ///< edges of each node
   // of the last search
   const Position* on_ = nullptr;
+  bool is_divided_ = false;  ///< the blocks are known, those of this position
+  Position divided_on_;
   bool has_sources_ = true;
   DisjointSets merged_;
   std::vector<std::vector<int>> members_;  ///< of merged nodes
@@ -78,10 +88,12 @@ class RestingParts {
   std::vector<char> holds_, rests_;        ///< of edges: storage that is no rounding; at rest
   std::vector<int> conducting_;            ///< edges between sets
   std::vector<std::pair<int, int>> ends_;  ///< and their sets
+  std::vector<Block> blocks_;              ///< of these
   std::vector<int> anchor_;                ///< of sets: the first of the nodes at rest that they hang on
   std::vector<int> open_;                  ///< nodes to be looked at
   std::vector<Held> nodes_;
   std::vector<int> currents_;
+  std::vector<char> idle_;  ///< ports
 };
 
 }  // namespace pwlsim::engine::sparse

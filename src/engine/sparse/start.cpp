@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/arithmetic.hpp"
 #include "engine/sparse/port_solver.hpp"
@@ -50,9 +51,9 @@ class RestFinder {
       const bool found = find_rest();
       if (is_singular) return false;
       if (!flip_switches(rounds.together())) return found;
-      rounds.turns_to_one_by_one(on);
+      if (rounds.turns_to_one_by_one(on)) changed_.clear();
     }
-    problem = "the switches keep toggling";
+    problem.clear();
     return false;
   }
 
@@ -61,8 +62,13 @@ class RestFinder {
 
   Position on;
   std::vector<double> z;
-  std::string problem;
+  std::string problem;  ///< empty: switches keep toggling
   bool is_singular = false;
+  [[nodiscard]] std::vector<std::string> restless() const {
+    std::vector<std::string> names;
+    for (const std::size_t port : changed_) names.push_back(descriptor_.ports()[port].name);
+    return names;
+  }
   [[nodiscard]] const std::vector<double>& w() const { return w_; }
 
  private:
@@ -144,6 +150,7 @@ class RestFinder {
       if (!rests && margin >= -slack) continue;
       control.has_rested |= rests;
       on[control.port] ^= 1;
+      changed_.insert(control.port);
       flipped = true;
       if (!together) break;
     }
@@ -155,6 +162,7 @@ class RestFinder {
   PortSolver ports_;
   std::vector<WatchedControl> controls_;
   std::vector<double> w_;
+  std::set<std::size_t> changed_;  ///< switches, since they change one by one
 };
 
 /// Whether the equations without `.ic` leave nothing open.
@@ -190,7 +198,10 @@ PartStart start_from_operating_point(const Network& network, const Descriptor& d
       return start;
     }
     start = start_from_initial_values(model::without_initial_values(network), descriptor);
-    start.missing.parts.push_back(fmt::format("in the part with {} {}", descriptor.unknown_name(0), point.problem));
+    if (point.problem.empty())
+      start.missing.add_restless(point.restless());
+    else
+      start.missing.parts.push_back(fmt::format("in the part with {} {}", descriptor.unknown_name(0), point.problem));
     return start;
   }
   start.on = point.on;
