@@ -11,9 +11,8 @@
 #include "analysis/modulation.hpp"
 #include "analysis/small_signal_columns.hpp"
 #include "base/zero_between.hpp"
-#include "engine/exact/exact.hpp"
 #include "engine/exact/exact_model.hpp"
-#include "engine/exact/start.hpp"
+#include "engine/sparse/linear_response.hpp"
 #include "steady/transfer.hpp"
 
 namespace pwlsim::analysis {
@@ -150,15 +149,15 @@ LinearSmallSignals::LinearSmallSignals(const circuit::Compiled& compiled) : comp
   const SmallSignalAnalysis& card = *compiled.analyses.small_signal;
   inputs_ = add_small_signal_inputs(card, network_);
   Diagnostics diagnostics;
-  model_ = engine::prepare(network_, diagnostics);
-  if (!model_) return;
-  const auto& islands = model_->islands;
-  const auto switching =
-      std::find_if(islands.begin(), islands.end(), [](const engine::IslandModel& island) { return island.extraction.system.ports > 0; });
-  const std::string part = periodic_part(card);
-  if (switching != islands.end())
-    fail("E-ac-needs-pss", fmt::format("{} switches: small signals are those around a periodic steady state; try .pss",
-                                       switching->extraction.system.port.front().name));
+  equations_ = engine::sparse::prepare(network_, diagnostics);
+  if (!equations_) {
+    for (const Diagnostic& each : diagnostics.all())
+      if (id_.empty() && each.severity == Severity::error) fail(each.id, each.text);
+    return;
+  }
+  const std::string switching = engine::sparse::LinearResponse::switching(*equations_), part = periodic_part(card);
+  if (!switching.empty())
+    fail("E-ac-needs-pss", fmt::format("{} switches: small signals are those around a periodic steady state; try .pss", switching));
   else if (inputs_.id.empty() && !part.empty())
     fail("E-ac-needs-pss", part + ", and the deck has none; try .pss");
   else
@@ -171,15 +170,11 @@ void LinearSmallSignals::fail(std::string id, std::string message) {
 }
 
 SmallSignalResult LinearSmallSignals::result() const {
-  if (!id_.empty() || !model_) return {};
-  engine::March march(*model_, {});
-  engine::RunState state = engine::start_from_initial_values(*model_);
-  steady::TraceRecorder recorder(state.on);
-  constexpr double moment = 1e-12;  // s: the one mode there is
-  march.advance(state, moment, &recorder);
-  const steady::LinearisedOrbit linear(*model_, recorder.take(), moment, true, inputs_.names);
+  if (!id_.empty()) return {};
+  engine::sparse::LinearResponse linear(*equations_, inputs_.names);
   return evaluate(*compiled_, inputs_, [&](double f, const std::vector<Complex>& amplitudes) {
-    return steady::linear_response(linear, network_.signals.size(), f, amplitudes);
+    const std::vector<Complex> response = linear.at(f, amplitudes);
+    return steady::ComplexVector(Eigen::Map<const steady::ComplexVector>(response.data(), static_cast<Eigen::Index>(response.size())));
   });
 }
 

@@ -9,6 +9,7 @@
 #include "analysis/small_signal_inputs.hpp"
 #include "circuit/compile.hpp"
 #include "engine/exact/march.hpp"
+#include "engine/sparse/sparse.hpp"
 #include "steady/orbit.hpp"
 
 namespace pwlsim::analysis {
@@ -49,12 +50,13 @@ struct SmallSignalResult {
 [[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSignalInputs& inputs,
                                               const model::Network& network, const engine::ExactModel& model, const steady::Trace& trace,
                                               double period, bool is_driven);
-/// For a linear circuit: prepares it and checks whether it has a response before that is computed.
+/// For a linear circuit: prepares its sparse equations, and checks whether it has a response before that is computed.
 class LinearSmallSignals {
  public:
   /// `compiled` must outlive it.
   explicit LinearSmallSignals(const circuit::Compiled& compiled);
-  [[nodiscard]] const std::string& id() const { return id_; }  ///< E-ac-needs-pss if something switches; "": there is a response
+  /// E-ac-needs-pss if something switches, or an error of the circuit's structure; "": there is a response.
+  [[nodiscard]] const std::string& id() const { return id_; }
   [[nodiscard]] const std::string& message() const { return message_; }
   [[nodiscard]] SmallSignalResult result() const;
 
@@ -64,7 +66,7 @@ class LinearSmallSignals {
   const circuit::Compiled* compiled_;
   model::Network network_;
   SmallSignalInputs inputs_;
-  std::shared_ptr<const engine::ExactModel> model_;
+  std::shared_ptr<const engine::sparse::SparseModel> equations_;
   std::string id_, message_;
 };
 

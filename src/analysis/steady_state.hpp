@@ -49,9 +49,8 @@ inline constexpr double most_periods_measured = 1e4;
 inline constexpr const char* orbit_needs_exact_engine =
     "the steady state is found by the exact engine only; try --engine exact, or fewer stores";
 
-/// The message for Krylov segments.
-inline constexpr const char* response_needs_modes =
-    "small signals around an orbit need dense modes, and this orbit was found on Krylov segments; try --engine modes, or fewer stores";
+/// The message for Krylov segments, and networks beyond the reach of dense modes.
+inline constexpr const char* response_needs_modes = "small signals around an orbit need dense modes; try --engine modes, or fewer stores";
 
 /// Small signals around the orbit.
 [[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SteadyState& state);

@@ -73,6 +73,10 @@ class SmallSignalSession : public AnalysisSession {
     std::string id, message;
     if (run.analyses().steady_state) {
       message = analysis::small_signal_problem_of_orbit(*run.compiled, id);
+      if (id.empty() && !analysis::has_modes(run.compiled->network, run.options.engine)) {
+        id = "E-pss-engine";
+        message = analysis::response_needs_modes;
+      }
     } else {
       linear_.emplace(*run.compiled);
       id = linear_->id();

@@ -287,20 +287,4 @@ Transfer::Response Transfer::at(double frequency, int harmonic, const std::vecto
   return response;
 }
 
-ComplexVector linear_response(const LinearisedOrbit& orbit, std::size_t signals, double frequency, const std::vector<Complex>& amplitudes) {
-  const double omega = 2.0 * std::numbers::pi * frequency;
-  ComplexVector response = ComplexVector::Zero(static_cast<Eigen::Index>(signals));
-  for (const LinearSegment& s : orbit.tail()) {
-    const Mode& mode = *s.mode;
-    const System& system = orbit.stacking().system(s.island);
-    ComplexVector y = input_columns(orbit, s.island, mode.outputs, mode.n1, omega, amplitudes);
-    if (mode.n1 > 0) {
-      const ComplexVector b = input_columns(orbit, s.island, mode.flow.a(), mode.n1, omega, amplitudes).head(mode.n1);
-      y -= mode.outputs.leftCols(mode.n1) * shifted(mode, omega).partialPivLu().solve(b);
-    }
-    for (std::size_t k = 0; k < system.outputs.size(); ++k) response[system.output_signal[k]] += y[static_cast<Eigen::Index>(k)];
-  }
-  return response;
-}
-
 }  // namespace pwlsim::steady

@@ -66,8 +66,4 @@ class Transfer {
   std::map<std::pair<const model::Mode*, double>, FlowSeries> series_;
 };
 
-/// A linear circuit without switches and diodes, in its only mode.
-[[nodiscard]] ComplexVector linear_response(const LinearisedOrbit& orbit, std::size_t signals, double frequency,
-                                            const std::vector<Complex>& amplitudes);
-
 }  // namespace pwlsim::steady

@@ -266,6 +266,7 @@ TEST_CASE("what Krylov segments do not have around an orbit is refused by name",
   const Finished response = run_in(scratch, {"ac.net", "--engine", "krylov"});
   CHECK(response.status == 2);
   CHECK_THAT(response.err, Contains("error[E-pss-engine]: small signals around an orbit need dense modes"));
+  CHECK_FALSE(std::filesystem::exists(scratch / "ac.csv"));
   scratch.write("sens.net", rectifier + ".pss\n.meas pss mean AVG v(b)\n.sens param=R1\n.end\n");
   const Finished derivative = run_in(scratch, {"sens.net", "--engine", "krylov"});
   CHECK(derivative.status == 0);

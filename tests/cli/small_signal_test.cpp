@@ -69,6 +69,51 @@ TEST_CASE("a linear circuit needs no orbit: magnitude and phase as rows", "[unit
   }
 }
 
+TEST_CASE("the response of a line of 1,000 sections is that of its transfer matrix", "[unit]") {
+  constexpr int sections = 1000;
+  constexpr double inductance = 1e-6, capacitance = 1e-9, leak = 1e6, load = 30.0;
+  std::ostringstream deck;
+  deck << "line\nV1 x0 0 DC 1 AC 1\n";
+  for (int k = 1; k <= sections; ++k)
+    deck << 'L' << k << " x" << k - 1 << " x" << k << " 1u\nC" << k << " x" << k << " 0 1n\nR" << k << " x" << k << " 0 1meg\n";
+  deck << "RL x1000 0 30\n.save v(x1000)\n.ac list 0 1k 100k 3meg 9meg\n.end\n";
+  const Json result = result_of(Scratch{}, deck.str());
+  const std::vector<double> frequencies{0.0, 1e3, 1e5, 3e6, 9e6};
+  for (std::size_t k = 0; k < frequencies.size(); ++k) {
+    const Complex s = j * two_pi * frequencies[k];
+    // From the load back to the source, for 1 V at the load.
+    Complex voltage = 1.0, current = 1.0 / load;
+    for (int i = 0; i < sections; ++i) {
+      current += voltage * (1.0 / leak + s * capacitance);
+      voltage += current * s * inductance;
+    }
+    check_equal(response(result, k, "v(x1000)"), 1.0 / voltage, 1e-11);
+  }
+}
+
+TEST_CASE("a response may follow the second derivative of its source", "[unit]") {
+  // The current of C1 in R1, differentiated: 5e-10 (jw)^2.
+  const Json result =
+      result_of(Scratch{},
+                "second derivative\nV1 a 0 AC 1\nC1 a 0 1u\nF1 0 b V1 -0.5\nR1 b 0 1k\nB1 m 0 V={1e-6*ddt(v(b))}\nR2 m 0 1k\n.save v(m)\n"
+                ".ac list 1k 1meg\n.end\n");
+  for (const std::size_t k : {0U, 1U}) {
+    const double omega = two_pi * (k == 0 ? 1e3 : 1e6);
+    check_equal(response(result, k, "v(m)"), -5e-10 * omega * omega, 1e-12);
+  }
+}
+
+TEST_CASE("at 0 Hz a node that only capacitors hold has no response, and others have theirs", "[unit]") {
+  const Json result = result_of(Scratch{},
+                                "divider\nV1 a 0 AC 1\nR1 a b 1k\nR2 b 0 3k\nC1 b c 1n\nC2 c 0 2n\nC3 d 0 1u\nR3 d b 1meg\nG1 0 e c 0 "
+                                "1m\nR4 e 0 1k\n.save v(b) v(c) v(d) "
+                                "v(e)\n.ac list 0 1m\n.end\n");
+  const Json& signals = result["ac"]["signals"];
+  for (const std::size_t defined : {0U, 2U}) CHECK(signals[defined]["re"][0].number == Approx(0.75).epsilon(1e-8));
+  for (const std::size_t free : {1U, 3U}) CHECK(signals[free]["re"][0].kind == Json::Kind::null);
+  check_equal(response(result, 1, "v(c)"), response(result, 1, "v(b)") / 3.0, 1e-12);
+}
+
 TEST_CASE("line and duty to output of an ideal buck are those of its filter, below and beyond half the switching frequency", "[unit]") {
   // The switch node is V_in·q(t): its component at f is D·v_in for the line, and V_in·d for a falling edge that moves by d·T (natural sampling).
   const Scratch scratch;

@@ -150,6 +150,8 @@ class Descriptor {
   void conduct_sizes(const double* z, double* sizes) const { linalg::multiply_absolute(conduction_.pattern, conduction_.values, z, sizes); }
   /// G
   [[nodiscard]] const linalg::SparseMatrix& conduction() const { return conduction_; }
+  /// E
+  [[nodiscard]] const linalg::SparseMatrix& memory() const { return memory_; }
   /// |E| |z|
   void memory_sizes(const double* z, double* sizes) const { linalg::multiply_absolute(memory_.pattern, memory_.values, z, sizes); }
   /// Rows of E that hold anything.

@@ -304,4 +304,16 @@ inline constexpr double doubtful_rows = 1e-9;
 /// Why: a segment's tolerance is next to rounding: three digits more are lost somewhere.
 inline constexpr double doubtful_segments = 1e-7;
 
+// Small signals of linear circuits at 0 Hz
+
+/// Of: the largest time R0·C or L/R0.
+/// Why: what takes longer to discharge is a pivot that is rounding of zero, 1e-16 of conductances a thousand times 1/R0.
+inline constexpr double longest_discharge = 1e13;
+/// Of: one over the largest time R0·C or L/R0.
+/// Why: steps of one over it pass time constants with resistances of a thousand times R0, and what grows in them without end leaves ten digits to the rest.
+inline constexpr double rate_of_rest = 1e-6;
+/// Of: the terms of a signal, of charges at random.
+/// Why: what is left of them after the steps is the error of the signal; rounding of the steps is 1e-10.
+inline constexpr double moved_by_charge = 1e-8;
+
 }  // namespace pwlsim::engine::sparse::tolerance
