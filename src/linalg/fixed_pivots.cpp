@@ -20,8 +20,6 @@ double sum_of_sizes(const std::vector<double>& x) {
 
 }  // namespace
 
-double factor_of_row(double largest) { return largest > 0.0 ? 1.0 / largest : 1.0; }
-
 FixedPivotFactor::FixedPivotFactor(std::shared_ptr<const Pivots> pivots, Values values)
     : pivots_(std::move(pivots)), values_(std::move(values)) {
   find_pivot_ratio();
@@ -36,13 +34,17 @@ void FixedPivotFactor::find_pivot_ratio() {
   pivot_ratio_ = most > 0.0 ? least / most : 1.0;
 }
 
+/// Entries are divided by R, as by KLU: those of the same size in a row remain equal, and cancel.
 void FixedPivotFactor::scale_rows(const SparsePattern& pattern, const std::vector<double>& values) {
-  values_.row_factor.assign(index(pattern.size), 0.0);
-  for (std::size_t e = 0; e < pattern.entries(); ++e) {
-    double& most = values_.row_factor[index(pattern.row[e])];
-    most = std::max(most, std::abs(values[e]));
+  std::vector<double>& size = values_.row_size;
+  size.assign(index(pattern.size), 0.0);
+  for (std::size_t e = 0; e < pattern.entries(); ++e)
+    size[index(pattern.row[e])] = std::max(size[index(pattern.row[e])], std::abs(values[e]));
+  values_.row_factor.resize(size.size());
+  for (std::size_t i = 0; i < size.size(); ++i) {
+    if (!(size[i] > 0.0)) size[i] = 1.0;
+    values_.row_factor[i] = 1.0 / size[i];
   }
-  for (double& most : values_.row_factor) most = factor_of_row(most);
 }
 
 /// Column k of the scaled matrix into `column`, of the block that begins at `first`; entries above the block into the values. Its largest entry.
@@ -53,7 +55,7 @@ double FixedPivotFactor::scatter(const SparsePattern& pattern, const std::vector
   for (std::size_t e = index(pattern.start[source]); e < index(pattern.start[source + 1]); ++e) {
     if (pivots_->is_zero[e] != 0) continue;
     const int row = pattern.row[e];
-    const double value = values[e] * values_.row_factor[index(row)];
+    const double value = values[e] / values_.row_size[index(row)];
     if (pivots_->place[index(row)] < first) {
       values_.upper[index(above++)] = value;
     } else {

@@ -25,14 +25,11 @@ struct Pivots {
   std::vector<int> lower_start{0}, lower_row, upper_start{0}, upper_row;
 };
 
-/// 1/R of a row, whose entries with that factor are one at most.
-[[nodiscard]] double factor_of_row(double largest);
-
 class FixedPivotFactor {
  public:
   struct Values {
     std::vector<double> lower, upper, inverse_pivot;  ///< as the pivots
-    std::vector<double> row_factor;                   ///< 1/R, of each row of A
+    std::vector<double> row_size, row_factor;         ///< R and 1/R, of each row of A
   };
   FixedPivotFactor() = default;
   /// The pivots of known values, whose growth is accepted.

@@ -185,6 +185,7 @@ FixedPivotFactor KluOrdering::Elimination::take() {
   FixedPivotFactor::Values values;
   for (auto* indices : {&pivots->row, &pivots->column, &pivots->place}) indices->resize(n);
   pivots->block.resize(static_cast<std::size_t>(symbolic_.nblocks) + 1);
+  values.row_size.resize(n);
   values.row_factor.resize(n);
   values.inverse_pivot.resize(n);
   klu_extract(numeric_, &symbolic_, lower.start.data(), lower.row.data(), lower.value.data(), upper.start.data(), upper.row.data(),
@@ -197,6 +198,7 @@ FixedPivotFactor KluOrdering::Elimination::take() {
   for (std::size_t k = 0; k < n; ++k) {
     const auto row = static_cast<std::size_t>(pivots->row[k]);
     pivots->place[row] = static_cast<int>(k);
+    values.row_size[row] = handle_.size[k];
     values.row_factor[row] = 1.0 / handle_.size[k];
     values.inverse_pivot[k] = 1.0 / upper.value[static_cast<std::size_t>(upper.start[k + 1]) - 1];
     in_lower.add(lower, lower.start[k] + 1, lower.start[k + 1]);

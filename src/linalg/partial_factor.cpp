@@ -41,6 +41,7 @@ void PartialFactor::find_changes(const FactoredMatrix& other, const std::vector<
     is_changed_[index(column_of_entry_[e])] = 1;
     if (std::exchange(is_changed_row_[index(pattern.row[e])], 1) == 0) changed_rows_.push_back(pattern.row[e]);
   }
+  values_.row_size = other.factor.values().row_size;
   values_.row_factor = other.factor.values().row_factor;
   for (const int row : changed_rows_) scale_again(row, values);
 }
@@ -53,8 +54,9 @@ void PartialFactor::scale_again(int row, const std::vector<double>& values) {
   };
   double most = 0.0;
   each([&](int, double value) { most = std::max(most, std::abs(value)); });
-  const double factor = factor_of_row(most);
-  if (factor == std::exchange(values_.row_factor[index(row)], factor)) return;
+  const double size = most > 0.0 ? most : 1.0;
+  if (size == std::exchange(values_.row_size[index(row)], size)) return;
+  values_.row_factor[index(row)] = 1.0 / size;
   each([&](int column, double value) {
     if (value != 0.0) is_changed_[index(column)] = 1;
   });
@@ -96,7 +98,7 @@ void PartialFactor::scatter(int column, const std::vector<double>& values) {
   for (std::size_t e = index(pattern.start[index(column)]); e < index(pattern.start[index(column) + 1]); ++e) {
     if (values[e] == 0.0) continue;
     const int row = pattern.row[e];
-    const double value = values[e] * values_.row_factor[index(row)];
+    const double value = values[e] / values_.row_size[index(row)];
     if (sifter_.block_of_row()[index(row)] != block) {
       pivots_->upper_row.push_back(row);
       values_.upper.push_back(value);
@@ -184,7 +186,7 @@ void PartialFactor::take_single(int row, int column, const std::vector<double>& 
   const SparsePattern& pattern = sifter_.pattern();
   for (std::size_t e = index(pattern.start[index(column)]); e < index(pattern.start[index(column) + 1]); ++e) {
     if (values[e] == 0.0) continue;
-    const double value = values[e] * values_.row_factor[index(pattern.row[e])];
+    const double value = values[e] / values_.row_size[index(pattern.row[e])];
     if (pattern.row[e] == row) {
       values_.inverse_pivot.push_back(1.0 / value);
     } else {

@@ -293,3 +293,15 @@ TEST_CASE("a decay does not hide the diode of a pump beside large currents by Kr
       "D2 p h DI\nC4 h 0 1.5m ic=100\nR4 h 0 0.5\n.model DI D\n.save v(n)\n.tran 0.1m 2m uic\n",
       {{2e-3, 0.405114371974389}}, 1e-9);
 }
+
+// v(a) is a pulse with edges of 1 ns that is at zero in each row, v(b) a sinusoid: the row is −2 sin 2π50t.
+TEST_CASE("a ramp that ends soon does not hide what is beside it by Krylov segments", "[regression]") {
+  const DeckRun run = run_deck_segments(PWLSIM_SOURCE_DIR "/tests/golden/foreign_cards.net");
+  INFO(run.messages << run.answer.message);
+  REQUIRE(run.answer.outcome == pwlsim::engine::Outcome::completed);
+  const auto signal =
+      static_cast<std::size_t>(std::find(run.signals.begin(), run.signals.end(), "par('v(a)-2*v(b)')") - run.signals.begin());
+  REQUIRE(signal < run.signals.size());
+  REQUIRE(run.rows.size() == 11);
+  for (const auto& row : run.rows) CHECK(row[1 + signal] == Approx(-2.0 * std::sin(100.0 * std::numbers::pi * row[0])).margin(1e-11));
+}
