@@ -74,18 +74,33 @@ void RestingParts::find(const Position& on, const Origin& start, const std::vect
   on_ = &on;
   has_sources_ = start.has_sources;
   const auto& states = descriptor_.states();
-  for (std::size_t i = 0; i < states.size(); ++i)
+  bool has_empty = false, has_current = false;
+  for (std::size_t i = 0; i < states.size(); ++i) {
     holds_[i] = weights[i] * std::abs(states[i].value(start.z.data())) > tolerance::at_rest * size ? 1 : 0;
-  rests_.assign(edges_.size(), 0);
-  if (!is_known) {
-    is_divided_ = true;
-    divided_on_ = on;
-    merge();
-    find_conducting();
-    blocks_ = blocks_of(static_cast<int>(at_.size()), ends_);
+    has_empty |= holds_[i] == 0;
+    has_current |= states[i].is_current && holds_[i] != 0;
   }
-  find_blocks(start);
+  rests_.assign(edges_.size(), 0);
+  if (!is_known && (has_empty || has_current)) divide(on);
+  if (has_empty || (has_current && cuts_current())) find_blocks(start);
   take_out_ends(start);
+}
+
+void RestingParts::divide(const Position& on) {
+  is_divided_ = true;
+  divided_on_ = on;
+  merge();
+  find_conducting();
+  blocks_ = blocks_of(static_cast<int>(at_.size()), ends_);
+}
+
+/// Whether an inductor that carries a current is a block alone.
+bool RestingParts::cuts_current() const {
+  const auto& states = descriptor_.states();
+  return std::any_of(blocks_.begin(), blocks_.end(), [&](const Block& block) {
+    const auto e = static_cast<std::size_t>(conducting_[static_cast<std::size_t>(block.edges.front())]);
+    return is_alone(block) && e < states.size() && states[e].is_current && holds_[e] != 0;
+  });
 }
 
 /// Nodes that are one.
@@ -260,6 +275,7 @@ void RestingParts::cut_off(std::vector<double>& z) const {
 
 void RestingParts::add_impulses(const std::vector<double>& start, const std::vector<double>& stores, double factor,
                                 std::vector<double>& z) {
+  if (!is_divided_ || divided_on_ != *on_) return;  // no inductor carried a current
   const std::size_t first = descriptor_.network().capacitors.size(), end = descriptor_.states().size();
   std::vector<double> lift(at_.size(), 0.0);  // of sets; a block comes after the one that it hangs on
   for (const Block& block : blocks_) {

@@ -59,6 +59,8 @@ class RestingParts {
     int node, at;                  ///< unknowns of a node at rest, and of that whose voltage it has (−1: ground)
     std::vector<int> followers{};  ///< nodes that hang on it and move
   };
+  void divide(const Position& on);
+  [[nodiscard]] bool cuts_current() const;
   void find_conducting();
   void merge();
   void find_blocks(const Origin& start);
