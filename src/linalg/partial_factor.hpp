@@ -1,10 +1,9 @@
 #pragma once
 /// LU factors of a matrix by those of another of the same pattern that differs from it in few entries.
 ///
-/// Columns whose entries are the same, and which meet the same columns in their elimination, are taken over (Chan and Brandwajn, IEEE Trans. Power Systems 1(1), 1986,
-/// "Partial matrix refactorization"); the others are eliminated anew, with pivots of their own and time proportional to their operations (Gilbert and
-/// Peierls, SIAM J. Sci. Stat. Comput. 9, 1988). Both matrices go by one order of columns, so that the result does not depend on which other
-/// factors it came from, as long as those did not either.
+/// Columns whose entries are the same, and which meet the same columns in their elimination, are taken over (Chan and Brandwajn, IEEE Trans. Power
+/// Systems 1(1), 1986, "Partial matrix refactorization"); the others are eliminated anew, with pivots of their own and time proportional to their
+/// operations (Gilbert and Peierls, SIAM J. Sci. Stat. Comput. 9, 1988). Both matrices go by one order of columns.
 
 #include <optional>
 #include <vector>
@@ -14,7 +13,7 @@
 
 namespace pwlsim::linalg {
 
-/// A factor with its matrix; both outlive what is made of them.
+/// A factor with its matrix.
 struct FactoredMatrix {
   const FixedPivotFactor& factor;
   const std::vector<double>& values;

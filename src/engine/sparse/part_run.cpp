@@ -339,7 +339,8 @@ void PartRun::add_statistics(Statistics& s) const {
   s.events += events_;
   s.jumps += jumps_;
   s.lcp_pivots += ports_.pivots() + (ties_ ? ties_->pivots() : 0);
-  s.klu_factorizations += factors_.counts().factorizations + factors_.counts().refactorizations;
+  const linalg::KluOrdering::Counts& counts = factors_.counts();
+  s.klu_factorizations += counts.factorizations + counts.refactorizations + counts.partial_factorizations;
   s.klu_solves += factors_.counts().solves;
   s.steps += steps_;
 }
