@@ -265,7 +265,7 @@ bool ExactSegment::has_digits() {
   return is_known(terms.voltage, voltage_, most_voltage_, first.voltage) && is_known(terms.other, current_, most_current_, first.other);
 }
 
-/// Begins the space for the signs alone, with a factor that may be rough. True: these are wrong. `is_begun`: the space is as good as any.
+/// Begins the space for the signs alone. True: these are wrong. `is_begun`: the space is as good as any.
 bool ExactSegment::is_wrong_by_signs(Factors& factors, double shift, const Origin& start, bool& is_begun) {
   const Factor* factor = factors.at(shift, start.on);
   if (!factor || has_lost_rank(*factor)) return false;
