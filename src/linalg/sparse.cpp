@@ -94,4 +94,13 @@ void multiply_absolute(const SparsePattern& pattern, const std::vector<double>& 
   }
 }
 
+void wide_residual(const SparsePattern& pattern, const std::vector<double>& values, const std::vector<double>& x,
+                   const std::vector<double>& b, std::vector<long double>& work, std::vector<double>& y) {
+  work.assign(b.begin(), b.end());
+  for (std::size_t j = 0; j < x.size(); ++j)
+    for (std::size_t e = index(pattern.start[j]); e < index(pattern.start[j + 1]); ++e)
+      work[index(pattern.row[e])] -= static_cast<long double>(values[e]) * x[j];
+  y.assign(work.begin(), work.end());
+}
+
 }  // namespace pwlsim::linalg

@@ -50,4 +50,8 @@ void multiply(const SparsePattern& pattern, const std::vector<double>& values, c
 /// y = |A| |x|.
 void multiply_absolute(const SparsePattern& pattern, const std::vector<double>& values, const double* x, double* y);
 
+/// y = b − A x, with sums in extended precision, which `work` keeps. y may alias b.
+void wide_residual(const SparsePattern& pattern, const std::vector<double>& values, const std::vector<double>& x,
+                   const std::vector<double>& b, std::vector<long double>& work, std::vector<double>& y);
+
 }  // namespace pwlsim::linalg

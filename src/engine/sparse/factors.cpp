@@ -128,15 +128,16 @@ bool Factors::recovers(const Factor& factor, double shift, const Descriptor::Clo
 /// A factor of the same position at another shift, whose pivots serve.
 const linalg::KluFactor* Factors::like(const Entry& entry) const {
   for (const Entry& other : entries_)
-    if (&other != &entry && other.used > 0 && !other.factor.closing_ && other.factor.flips_.empty() && other.on == entry.on)
-      return other.factor.klu_.get();
+    if (has_own_factor(entry, other) && other.on == entry.on) return other.factor.klu_.get();
   return nullptr;
 }
 
-/// A factor of its own at the same shift.
-bool Factors::is_base_of(const Entry& entry, const Entry& other) const {
-  return &other != &entry && other.used > 0 && !other.factor.closing_ && other.factor.flips_.empty() &&
-         std::abs(other.shift - entry.shift) <= tolerance::same_shift * entry.shift;
+bool Factors::has_own_factor(const Entry& entry, const Entry& other) {
+  return &other != &entry && other.used > 0 && !other.factor.closing_ && other.factor.flips_.empty();
+}
+
+bool Factors::is_base_of(const Entry& entry, const Entry& other) {
+  return has_own_factor(entry, other) && std::abs(other.shift - entry.shift) <= tolerance::same_shift * entry.shift;
 }
 
 /// The one at the same shift that was used last, from which the wanted one differs little: positions follow on each other by events.

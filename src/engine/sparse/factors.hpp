@@ -105,7 +105,10 @@ class Factors {
   [[nodiscard]] linalg::Factored factor(Entry& entry, const Descriptor::Closing& closing, const linalg::KluFactor* pivots);
   [[nodiscard]] const linalg::KluFactor* like(const Entry& entry) const;
   void find_open(Entry& entry);
-  [[nodiscard]] bool is_base_of(const Entry& entry, const Entry& other) const;
+  /// Another than the first, of its matrix as it stands or tied.
+  [[nodiscard]] static bool has_own_factor(const Entry& entry, const Entry& other);
+  /// The same, at the same shift.
+  [[nodiscard]] static bool is_base_of(const Entry& entry, const Entry& other);
   [[nodiscard]] const linalg::KluFactor* latest(const Entry& entry) const;
   [[nodiscard]] const Entry* nearest(const Entry& entry) const;
   [[nodiscard]] const std::vector<double>& column(const Factor& base, int port) const;

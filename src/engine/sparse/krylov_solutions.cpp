@@ -179,13 +179,7 @@ void KrylovSpace::find_residual(const std::vector<double>& d) {
 
 /// The same with sums in extended precision; the matrix is in `values_`.
 void KrylovSpace::find_wide_residual(const std::vector<double>& d) {
-  const linalg::SparsePattern& pattern = descriptor_.pattern();
-  wide_.assign(given_.begin(), given_.end());
-  for (std::size_t j = 0; j < d.size(); ++j)
-    for (auto e = static_cast<std::size_t>(pattern.start[j]); e < static_cast<std::size_t>(pattern.start[j + 1]); ++e)
-      wide_[static_cast<std::size_t>(pattern.row[e])] -= static_cast<linalg::Wide>(values_[e]) * d[j];
-  product_.resize(d.size());
-  std::transform(wide_.begin(), wide_.end(), product_.begin(), [](linalg::Wide value) { return static_cast<double>(value); });
+  linalg::wide_residual(descriptor_.pattern(), values_, d, given_, wide_, product_);
 }
 
 /// Corrects a solution by its residual where the currents that charge capacitors leave others no digits: impulses of voltage of a floating part may be that large.

@@ -201,7 +201,7 @@ class KrylovSpace {
   linalg::Vector first_, last_row_, reach_;  ///< y(0), eᵀK, max |y|
   linalg::Exponential flow_;
   std::vector<double> right_, product_, sizes_, values_, work_;
-  std::vector<linalg::Wide> wide_;
+  std::vector<long double> wide_;
   std::vector<Checkpoint> estimate_;
   std::vector<double> given_start_, start_;  ///< z₀ as it was given, and without what carries nothing
   std::vector<double> given_;                ///< right-hand side of the last solution

@@ -56,11 +56,9 @@ class RealForm {
 
 /// x += M⁻¹ (b − A x), the difference in extended precision.
 void correct(const linalg::KluFactor& inverse, const linalg::SparsePattern& pattern, const Values& a, const Values& b, Values& x) {
-  std::vector<long double> rest(b.begin(), b.end());
-  for (int j = 0; j < pattern.size; ++j)
-    for (int e = pattern.start[linalg::index(j)]; e < pattern.start[linalg::index(j + 1)]; ++e)
-      rest[linalg::index(pattern.row[linalg::index(e)])] -= static_cast<long double>(a[linalg::index(e)]) * x[linalg::index(j)];
-  Values change(rest.begin(), rest.end());
+  std::vector<long double> sums;
+  Values change;
+  linalg::wide_residual(pattern, a, x, b, sums, change);
   inverse.solve(change.data());
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += change[i];
 }

@@ -82,6 +82,7 @@ void RestingParts::find(const Position& on, const Origin& start, const std::vect
   }
   rests_.assign(edges_.size(), 0);
   if (!is_known && (has_empty || has_current)) divide(on);
+  has_blocks_ = is_known || has_empty || has_current;
   if (has_empty || (has_current && cuts_current())) find_blocks(start);
   take_out_ends(start);
 }
@@ -275,7 +276,7 @@ void RestingParts::cut_off(std::vector<double>& z) const {
 
 void RestingParts::add_impulses(const std::vector<double>& start, const std::vector<double>& stores, double factor,
                                 std::vector<double>& z) {
-  if (!is_divided_ || divided_on_ != *on_) return;  // no inductor carried a current
+  if (!has_blocks_) return;  // no inductor carried a current
   const std::size_t first = descriptor_.network().capacitors.size(), end = descriptor_.states().size();
   std::vector<double> lift(at_.size(), 0.0);  // of sets; a block comes after the one that it hangs on
   for (const Block& block : blocks_) {

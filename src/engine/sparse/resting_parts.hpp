@@ -83,6 +83,7 @@ class RestingParts {
   const Position* on_ = nullptr;
   bool is_divided_ = false;  ///< the blocks are known, those of this position
   Position divided_on_;
+  bool has_blocks_ = false;  ///< they are those of the last `find`
   bool has_sources_ = true;
   DisjointSets merged_;
   std::vector<std::vector<int>> members_;  ///< of merged nodes
