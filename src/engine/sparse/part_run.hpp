@@ -230,6 +230,8 @@ class PartRun {
   [[nodiscard]] double euler_length(const Beginning& beginning) const;
   [[nodiscard]] double room() const;
   [[nodiscard]] bool follow_segment();
+  void certify_begin(const SegmentTimes& times);
+  [[nodiscard]] std::vector<int> ports_at_zero(double tau);
   [[nodiscard]] Point point_of_segment(double tau, double time);
   void pass(const ExactSegment::Passage& passage);
   [[nodiscard]] bool passes_too(std::size_t control, const std::vector<double>& y, const std::vector<double>& slope) const;

@@ -14,6 +14,7 @@ namespace pwlsim::engine::sparse {
 namespace {
 
 constexpr std::size_t last_coefficients = 3;
+constexpr double residual_left = 0.5;
 
 }  // namespace
 
@@ -96,7 +97,7 @@ bool PartRun::follow_segment() {
   const ExactSegment::Passage& passage = segment_->locate(limit - segment_->start());
   const double tau = request_.probes.sink != nullptr ? resolved_until(passage.tau) : passage.tau;
   const SegmentTimes times{segment_->length(), passage.tau};
-  if (segment_tau_ == 0.0) certificate_.add_point(point_, ports_, times, segment_->rising());
+  if (segment_tau_ == 0.0) certify_begin(times);
   for (const double share : inner_points) {
     if (!certificate_.wants_point()) continue;
     const double inside = segment_tau_ + share * (tau - segment_tau_);
@@ -105,7 +106,7 @@ bool PartRun::follow_segment() {
   watch_inside(tau);
   const double time = segment_->start() + tau;
   Point next = point_of_segment(tau, is_same_instant(time, limit) ? limit : time);
-  certificate_.add_point(next, ports_, times);
+  certificate_.add_point(next, ports_, times, ports_at_zero(tau));
   if (records_ && tau >= passage.tau) record_end(next, tau, passage);
   settle_in(next);
   segment_tau_ = tau;
@@ -113,6 +114,36 @@ bool PartRun::follow_segment() {
   if (request_.jumps) add_error(tau);
   pass(passage);
   return true;
+}
+
+/// Where the rates that a segment begins with are in doubt, they are so for as long as what decays fast: as long as half of the residual is left.
+void PartRun::certify_begin(const SegmentTimes& times) {
+  std::vector<int> at_zero = ports_at_zero(0.0);
+  at_zero.insert(at_zero.end(), segment_->rising().begin(), segment_->rising().end());
+  SegmentTimes lasting = times;
+  const double shortest = tolerance::shortest_segment * request_.stop;
+  const double doubt = certificate_.looks_next() ? certificate_.row_residual(point_, times) : 0.0;
+  if (doubt > tolerance::doubtful_rows) {
+    double residual = 0.0;
+    while (!(residual > residual_left * doubt) && lasting.followed > shortest) {
+      lasting.followed *= 0.5;
+      const Point inside = point_of_segment(lasting.followed, segment_->start() + lasting.followed);
+      certificate_.add_point(inside, ports_, lasting, at_zero);
+      residual = certificate_.row_residual(inside, times);
+    }
+  }
+  certificate_.add_point(point_, ports_, lasting, at_zero);
+}
+
+/// Ports that are below zero for no longer than times have digits.
+std::vector<int> PartRun::ports_at_zero(double tau) {
+  std::vector<int> at_zero;
+  const std::vector<double> y = segment_->at(tau);
+  for (int i = 0; i < descriptor_.first_switch(); ++i) {
+    const double value = segment_->guard(i, y);
+    if (value < 0.0 && -value <= tolerance::shortest_segment * request_.stop * std::abs(segment_->guard_rate(i, y))) at_zero.push_back(i);
+  }
+  return at_zero;
 }
 
 /// Of the segment up to there. Errors of passive parts do not grow by themselves: those of segments add up.

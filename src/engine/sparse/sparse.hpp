@@ -12,7 +12,7 @@ namespace pwlsim::engine::sparse {
 
 inline constexpr double default_tolerance = 1e-4;
 /// The same of exact segments.
-inline constexpr double segment_tolerance = 1e-12;
+inline constexpr double segment_tolerance = 1e-13;
 /// Below this rounding takes part in the error estimate.
 inline constexpr double least_tolerance = 1e-11;
 inline constexpr double largest_tolerance = 0.1;
