@@ -12,7 +12,7 @@ std::size_t place(int i) { return static_cast<std::size_t>(i); }
 class BlockSearch {
  public:
   BlockSearch(int nodes, const std::vector<std::pair<int, int>>& edges);
-  [[nodiscard]] std::vector<Block> run();
+  [[nodiscard]] Blocks run();
 
  private:
   struct Visit {
@@ -22,6 +22,7 @@ class BlockSearch {
   void search(int root);
   void follow(int edge);
   void leave(const Visit& visit);
+  void add(std::size_t edges, int hangs_on, bool is_loop);
   [[nodiscard]] int other_end(int edge, int node) const;
 
   const std::vector<std::pair<int, int>>& ends_;
@@ -30,7 +31,7 @@ class BlockSearch {
   std::vector<char> is_seen_;  ///< edges
   std::vector<Visit> path_;
   std::vector<int> open_;  ///< edges of blocks that are not complete
-  std::vector<Block> blocks_;
+  Blocks blocks_;
   int visited_ = 0;
 };
 
@@ -50,10 +51,11 @@ BlockSearch::BlockSearch(int nodes, const std::vector<std::pair<int, int>>& edge
   }
 }
 
-std::vector<Block> BlockSearch::run() {
+Blocks BlockSearch::run() {
+  blocks_.edges.reserve(ends_.size());
   for (int root = 0; root < static_cast<int>(order_.size()); ++root)
     if (order_[place(root)] < 0) search(root);
-  std::reverse(blocks_.begin(), blocks_.end());  // the last one is complete first
+  std::reverse(blocks_.list.begin(), blocks_.list.end());  // the last one is complete first
   return std::move(blocks_);
 }
 
@@ -83,7 +85,8 @@ void BlockSearch::follow(int edge) {
   is_seen_[place(edge)] = 1;
   const int node = path_.back().node, next = other_end(edge, node);
   if (next == node) {
-    blocks_.push_back({{edge}, node, true});
+    blocks_.edges.push_back(edge);
+    add(1, node, true);
     return;
   }
   open_.push_back(edge);
@@ -101,12 +104,19 @@ void BlockSearch::leave(const Visit& visit) {
   low_[place(before)] = std::min(low_[place(before)], low_[place(visit.node)]);
   if (low_[place(visit.node)] < order_[place(before)]) return;
   const auto first = std::find(open_.rbegin(), open_.rend(), visit.by).base() - 1;
-  blocks_.push_back({{first, open_.end()}, before, false});
+  blocks_.edges.insert(blocks_.edges.end(), first, open_.end());
+  add(static_cast<std::size_t>(open_.end() - first), before, false);
   open_.erase(first, open_.end());
+}
+
+/// Of the last edges.
+void BlockSearch::add(std::size_t edges, int hangs_on, bool is_loop) {
+  const int end = static_cast<int>(blocks_.edges.size());
+  blocks_.list.push_back({end - static_cast<int>(edges), end, hangs_on, is_loop});
 }
 
 }  // namespace
 
-std::vector<Block> blocks_of(int nodes, const std::vector<std::pair<int, int>>& edges) { return BlockSearch(nodes, edges).run(); }
+Blocks blocks_of(int nodes, const std::vector<std::pair<int, int>>& edges) { return BlockSearch(nodes, edges).run(); }
 
 }  // namespace pwlsim

@@ -20,6 +20,15 @@ double sum_of_sizes(const std::vector<double>& x) {
 
 }  // namespace
 
+Zeros zeros_of(const SparsePattern& pattern, const std::vector<double>& values) {
+  Zeros zeros{std::vector<char>(values.size()), std::vector<int>(index(pattern.size), 0)};
+  for (std::size_t e = 0; e < values.size(); ++e) {
+    zeros.is_zero[e] = values[e] == 0.0 ? 1 : 0;
+    zeros.entries_of_row[index(pattern.row[e])] += values[e] == 0.0 ? 0 : 1;
+  }
+  return zeros;
+}
+
 FixedPivotFactor::FixedPivotFactor(std::shared_ptr<const Pivots> pivots, Values values)
     : pivots_(std::move(pivots)), values_(std::move(values)) {
   find_pivot_ratio();
@@ -53,7 +62,7 @@ double FixedPivotFactor::scatter(const SparsePattern& pattern, const std::vector
   const std::size_t source = index(pivots_->column[index(k)]);
   double most = 0.0;
   for (std::size_t e = index(pattern.start[source]); e < index(pattern.start[source + 1]); ++e) {
-    if (pivots_->is_zero[e] != 0) continue;
+    if (pivots_->zeros.is_zero[e] != 0) continue;
     const int row = pattern.row[e];
     const double value = values[e] / values_.row_size[index(row)];
     if (pivots_->place[index(row)] < first) {
@@ -92,7 +101,7 @@ bool FixedPivotFactor::factor(const SparsePattern& pattern, const std::vector<do
   pivots_ = std::move(pivots);
   const Pivots& p = *pivots_;
   for (std::size_t e = 0; e < values.size(); ++e)
-    if (p.is_zero[e] != 0 && values[e] != 0.0) return false;
+    if (p.zeros.is_zero[e] != 0 && values[e] != 0.0) return false;
   const std::size_t n = index(pattern.size);
   values_.lower.resize(p.lower_row.size());
   values_.upper.resize(p.upper_row.size());

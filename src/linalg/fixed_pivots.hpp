@@ -13,9 +13,16 @@
 
 namespace pwlsim::linalg {
 
+/// Which entries of a pattern a matrix leaves zero.
+struct Zeros {
+  std::vector<char> is_zero;        ///< of each entry
+  std::vector<int> entries_of_row;  ///< those that are not
+};
+[[nodiscard]] Zeros zeros_of(const SparsePattern& pattern, const std::vector<double>& values);
+
 /// Order of the pivots, and the pattern of the factors that belongs to it. Rows are those of A.
 struct Pivots {
-  std::vector<char> is_zero;     ///< entries of the matrix's pattern that are none of the factors', and have to be zero
+  Zeros zeros;                   ///< entries of the matrix's pattern that are none of the factors', and have to be zero
   std::vector<int> row, column;  ///< of each pivot
   std::vector<int> place;        ///< of a row among the pivots
   std::vector<int> block;        ///< bounds of the diagonal blocks

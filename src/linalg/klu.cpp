@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "linalg/partial_factor.hpp"
+#include "linalg/shallow_order.hpp"
 #include "linalg/sifted.hpp"
 #include "linalg/tolerances.hpp"
 
@@ -64,14 +65,33 @@ class PackedColumns {
 
 /// Entries of the factors for each of the matrix: so much room is made at first.
 constexpr double usual_fill = 2.0;
-constexpr int colamd = 1;
+/// Columns that factors eliminate beside those they take over, for each of the matrix, before an order is sought in which they are few: that takes as long.
+constexpr double columns_before_shallow = 8.0;
+
+/// As KLU numbers them.
+enum class Ordering { minimum_degree = 0, by_columns = 1, shallow = 3 };
+
+/// The order of a block. 0: none.
+int order_block(int size, int* start, int* row, int* order, klu_common*) {
+  const auto found = shallow_order({size, {start, start + size + 1}, {row, row + start[size]}});
+  if (!found) return 0;
+  std::copy(found->begin(), found->end(), order);
+  return start[size];
+}
 
 }  // namespace
 
 struct KluOrdering::Handle {
-  explicit Handle(const SparsePattern& whole) : pattern(whole) { klu_defaults(&common); }
+  explicit Handle(const SparsePattern& whole) : pattern(whole) {
+    klu_defaults(&common);
+    common.user_order = order_block;
+  }
   /// Of KLU's ordering by that method. False: it found none.
-  bool find_order(int method);
+  bool find_order(Ordering method);
+  /// The factorisation in that order, which is then the order, where it has so many entries at most. Null: the order stays.
+  std::unique_ptr<Elimination> try_order(Ordering method, const std::vector<double>& values, double most_entries);
+  /// Factors have had to eliminate so many columns that an order in which these are few pays.
+  [[nodiscard]] bool is_shallow_due() const { return !shallow_tried && eliminated_columns > columns_before_shallow * pattern.size; }
   /// More than the ordering counts on, while another has not been tried.
   [[nodiscard]] bool is_fill_unexpected(double entries) const {
     return !by_columns_tried && entries > tolerance::most_fill * expected_fill;
@@ -85,9 +105,10 @@ struct KluOrdering::Handle {
 
   const SparsePattern& pattern;
   klu_common common{};
-  bool is_regular = true, by_columns_tried = false;
-  double expected_fill = 0.0;  ///< entries of L and U, with all pivots on the ordering's diagonal
-  double fill = usual_fill;    ///< entries of the last factor for each of its matrix
+  bool is_regular = true, by_columns_tried = false, shallow_tried = false;
+  double eliminated_columns = 0.0;  ///< of factors that took over others
+  double expected_fill = 0.0;       ///< entries of L and U, with all pivots on the ordering's diagonal
+  double fill = usual_fill;         ///< entries of the last factor for each of its matrix
   BlockOrder order;
   std::optional<Sifter> sifter;
   std::optional<PartialFactor> partial;
@@ -96,8 +117,8 @@ struct KluOrdering::Handle {
   std::vector<double> size;     ///< of rows
 };
 
-bool KluOrdering::Handle::find_order(int method) {
-  const int usual = std::exchange(common.ordering, method);
+bool KluOrdering::Handle::find_order(Ordering method) {
+  const int usual = std::exchange(common.ordering, static_cast<int>(method));
   klu_symbolic* symbolic = klu_analyze(pattern.size, writable(pattern.start), writable(pattern.row), &common);
   common.ordering = usual;
   if (symbolic == nullptr) return false;
@@ -110,7 +131,7 @@ bool KluOrdering::Handle::find_order(int method) {
 }
 
 KluOrdering::KluOrdering(SparsePattern pattern) : pattern_(std::move(pattern)), handle_(std::make_unique<Handle>(pattern_)) {
-  if (pattern_.size > 0) handle_->is_regular = handle_->find_order(handle_->common.ordering) && handle_->is_regular;
+  if (pattern_.size > 0) handle_->is_regular = handle_->find_order(Ordering::minimum_degree) && handle_->is_regular;
 }
 
 KluOrdering::~KluOrdering() = default;
@@ -131,6 +152,8 @@ class KluOrdering::Elimination {
   [[nodiscard]] bool is_regular() const { return numeric_ != nullptr && status_ == KLU_OK; }
   /// Entries of L and U.
   [[nodiscard]] double fill() const { return static_cast<double>(numeric_->lnz) + static_cast<double>(numeric_->unz); }
+  /// The same, and those between blocks.
+  [[nodiscard]] double entries() const { return fill() - numeric_->n + numeric_->nzoff; }
   [[nodiscard]] FixedPivotFactor take();
 
  private:
@@ -152,6 +175,15 @@ KluOrdering::Elimination::Elimination(Handle& handle, const std::vector<double>&
   numeric_ = klu_factor(sifted_.pattern.start.data(), sifted_.pattern.row.data(), kept.data(), &symbolic_, &handle.common);
   status_ = handle.common.status;
   if (is_regular()) handle.fill = fill() / static_cast<double>(kept.size());
+}
+
+std::unique_ptr<KluOrdering::Elimination> KluOrdering::Handle::try_order(Ordering method, const std::vector<double>& values,
+                                                                         double most_entries) {
+  const BlockOrder usual = order;
+  auto elimination = find_order(method) ? std::make_unique<Elimination>(*this, values) : nullptr;
+  if (elimination && elimination->is_regular() && elimination->entries() < most_entries) return elimination;
+  take_order(usual);
+  return nullptr;
 }
 
 /// What KLU calls so, with the blocks that are left.
@@ -208,8 +240,7 @@ FixedPivotFactor KluOrdering::Elimination::take() {
     pivots->upper_start.push_back(in_upper.size());
   }
   pivots->single_rows = sifted_.rest.single_rows;
-  pivots->is_zero.assign(handle_.pattern.entries(), 1);
-  for (const int e : sifted_.entry) pivots->is_zero[static_cast<std::size_t>(e)] = 0;
+  pivots->zeros = std::move(sifted_.zeros);
   return {std::move(pivots), std::move(values)};
 }
 
@@ -223,13 +254,7 @@ Factored KluFactor::factor(const std::vector<double>& values) {
   // Minimum degree counts on pivots on the diagonal. Where many are zero there, an ordering of columns (COLAMD) that expects any pivot may fill less.
   if (elimination->is_regular() && handle.is_fill_unexpected(elimination->fill())) {
     handle.by_columns_tried = true;
-    const BlockOrder usual = handle.order;
-    const bool has_other = handle.find_order(colamd);
-    auto other = has_other ? std::make_unique<KluOrdering::Elimination>(handle, values) : nullptr;
-    if (other && other->is_regular() && other->fill() < elimination->fill())
-      elimination = std::move(other);
-    else
-      handle.take_order(usual);
+    if (auto other = handle.try_order(Ordering::by_columns, values, elimination->entries())) elimination = std::move(other);
   }
   if (!elimination->is_regular()) {
     const int status = elimination->status();
@@ -253,8 +278,14 @@ Factored KluFactor::factor_near(const KluFactor& other, const std::vector<double
   if (!other.has_own_pivots_ || other.values_.size() != values.size() || other.order_ != handle.orders) return factor(values);
   auto partial = handle.partial->factor({other.numeric_, other.values_}, values, handle.common.tol);
   if (!partial || handle.is_fill_unexpected(static_cast<double>(partial->entries()))) return factor(values);
+  handle.eliminated_columns += handle.partial->eliminated_columns();
+  const double entries = static_cast<double>(partial->entries());
   keep(std::move(*partial), values);
   ++ordering_->counts.partial_factorizations;
+  if (handle.is_shallow_due()) {
+    handle.shallow_tried = handle.by_columns_tried = true;
+    if (const auto shallow = handle.try_order(Ordering::shallow, values, tolerance::shallow_fill * entries)) keep(shallow->take(), values);
+  }
   return Factored::good;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <span>
 #include <utility>
@@ -11,6 +12,7 @@ namespace pwlsim::linalg {
 namespace {
 
 constexpr int none = -1;
+constexpr std::size_t compared_at_once = 16;
 
 }  // namespace
 
@@ -28,22 +30,30 @@ PartialFactor::PartialFactor(Sifter& sifter)
 
 /// Columns with another entry, or in a row whose scale is another.
 void PartialFactor::find_changes(const FactoredMatrix& other, const std::vector<double>& values) {
-  const SparsePattern& pattern = sifter_.pattern();
-  const std::size_t n = index(pattern.size);
+  const std::size_t n = index(sifter_.pattern().size);
   is_changed_.assign(n, 0);
   is_changed_row_.assign(n, 0);
   changed_rows_.clear();
-  pivots_->is_zero = other.factor.pivots()->is_zero;
+  pivots_->zeros = other.factor.pivots()->zeros;
   const double *const now = values.data(), *const before = other.values.data();
-  for (std::size_t e = 0; e < values.size(); ++e) {
-    if (now[e] == before[e]) continue;
-    pivots_->is_zero[e] = now[e] == 0.0 ? 1 : 0;
-    is_changed_[index(column_of_entry_[e])] = 1;
-    if (std::exchange(is_changed_row_[index(pattern.row[e])], 1) == 0) changed_rows_.push_back(pattern.row[e]);
+  for (std::size_t first = 0; first < values.size(); first += compared_at_once) {
+    const std::size_t end = std::min(first + compared_at_once, values.size());
+    if (std::memcmp(now + first, before + first, (end - first) * sizeof(double)) == 0) continue;
+    for (std::size_t e = first; e < end; ++e)
+      if (now[e] != before[e]) note_change(e, now[e] == 0.0);
   }
   values_.row_size = other.factor.values().row_size;
   values_.row_factor = other.factor.values().row_factor;
   for (const int row : changed_rows_) scale_again(row, values);
+}
+
+void PartialFactor::note_change(std::size_t entry, bool is_zero) {
+  const std::size_t row = index(sifter_.pattern().row[entry]);
+  Zeros& zeros = pivots_->zeros;
+  zeros.entries_of_row[row] += (zeros.is_zero[entry] != 0 ? 1 : 0) - (is_zero ? 1 : 0);
+  zeros.is_zero[entry] = is_zero ? 1 : 0;
+  is_changed_[index(column_of_entry_[entry])] = 1;
+  if (std::exchange(is_changed_row_[row], 1) == 0) changed_rows_.push_back(static_cast<int>(row));
 }
 
 void PartialFactor::scale_again(int row, const std::vector<double>& values) {
@@ -65,28 +75,56 @@ void PartialFactor::scale_again(int row, const std::vector<double>& values) {
 /// Whether the elimination of a column goes as it went: through the same pivots, of columns that were taken over, and with the same rows left.
 bool PartialFactor::may_take_over(int column, const Pivots& other) const {
   const int k = place_before_[index(column)];
-  if (is_changed_[index(column)] != 0 || k == none || pivots_->place[index(other.row[index(k)])] != none) return false;
+  if (is_changed_[index(column)] != 0 || k >= first_single_before_) return false;
+  const int *const place = pivots_->place.data(), *const lower = other.lower_row.data(), *const upper = other.upper_row.data();
+  if (place[other.row[index(k)]] != none) return false;
   for (int l = other.lower_start[index(k)]; l < other.lower_start[index(k) + 1]; ++l)
-    if (pivots_->place[index(other.lower_row[index(l)])] != none) return false;
-  const int block = sifter_.block_of_column(column);
-  for (int u = other.upper_start[index(k)]; u < other.upper_start[index(k) + 1]; ++u) {
-    const int row = other.upper_row[index(u)];
-    if (sifter_.block_of_row()[index(row)] == block && is_taken_over_[index(row)] == 0) return false;
-  }
+    if (place[lower[l]] != none) return false;
+  const char* const is_taken_over = is_taken_over_.data();
+  for (int u = other.upper_start[index(k)]; u < other.upper_start[index(k) + 1]; ++u)
+    if (is_taken_over[upper[u]] == 0) return false;
   return true;
 }
 
+/// A row with a single entry is no part of any elimination: what stands above in its column stays as it is.
+bool PartialFactor::may_keep_single(int row, int column, const Pivots& other) const {
+  const int k = place_before_[index(column)];
+  return is_changed_[index(column)] == 0 && k >= first_single_before_ && other.row[index(k)] == row;
+}
+
+/// Columns that follow on each other in the other factor as well are copied together.
 void PartialFactor::take_over(int column, const FixedPivotFactor& other) {
+  const int k = place_before_[index(column)], row = other.pivots()->row[index(k)];
+  if (k != end_copied_) {
+    copy_columns(other);
+    first_copied_ = k;
+  }
+  end_copied_ = k + 1;
+  is_taken_over_[index(row)] = 1;
+  pivots_->place[index(row)] = static_cast<int>(pivots_->column.size()) + k - first_copied_;
+}
+
+/// Those that wait.
+void PartialFactor::copy_columns(const FixedPivotFactor& other) {
+  if (first_copied_ == none) return;
   const Pivots& from = *other.pivots();
-  const std::size_t k = index(place_before_[index(column)]);
-  const auto copy = [](const auto& of, int first, int end, auto& to) { to.insert(to.end(), of.begin() + first, of.begin() + end); };
-  copy(from.lower_row, from.lower_start[k], from.lower_start[k + 1], pivots_->lower_row);
-  copy(other.values().lower, from.lower_start[k], from.lower_start[k + 1], values_.lower);
-  copy(from.upper_row, from.upper_start[k], from.upper_start[k + 1], pivots_->upper_row);
-  copy(other.values().upper, from.upper_start[k], from.upper_start[k + 1], values_.upper);
-  values_.inverse_pivot.push_back(other.values().inverse_pivot[k]);
-  is_taken_over_[index(from.row[k])] = 1;
-  end_column(from.row[k], column);
+  const std::size_t first = index(first_copied_), end = index(end_copied_);
+  const auto copy = [](const auto& of, std::size_t begin, std::size_t past, auto& to) {
+    to.insert(to.end(), of.begin() + static_cast<std::ptrdiff_t>(begin), of.begin() + static_cast<std::ptrdiff_t>(past));
+  };
+  const auto copy_entries = [&](const std::vector<int>& start, const std::vector<int>& rows, const std::vector<double>& values,
+                                std::vector<int>& to_start, std::vector<int>& to_rows, std::vector<double>& to_values) {
+    const int moved = static_cast<int>(to_rows.size()) - start[first];
+    copy(rows, index(start[first]), index(start[end]), to_rows);
+    copy(values, index(start[first]), index(start[end]), to_values);
+    for (std::size_t k = first + 1; k <= end; ++k) to_start.push_back(start[k] + moved);
+  };
+  copy_entries(from.lower_start, from.lower_row, other.values().lower, pivots_->lower_start, pivots_->lower_row, values_.lower);
+  copy_entries(from.upper_start, from.upper_row, other.values().upper, pivots_->upper_start, pivots_->upper_row, values_.upper);
+  copy(from.row, first, end, pivots_->row);
+  copy(from.column, first, end, pivots_->column);
+  copy(other.values().inverse_pivot, first, end, values_.inverse_pivot);
+  first_copied_ = end_copied_ = none;
 }
 
 /// Entries above the block into U, the others into the column, with all rows that they reach.
@@ -181,7 +219,6 @@ void PartialFactor::end_column(int row, int column) {
   pivots_->upper_start.push_back(static_cast<int>(pivots_->upper_row.size()));
 }
 
-/// A row with a single entry is no part of any elimination: what stands above in its column stays as it is.
 void PartialFactor::take_single(int row, int column, const std::vector<double>& values) {
   const SparsePattern& pattern = sifter_.pattern();
   for (std::size_t e = index(pattern.start[index(column)]); e < index(pattern.start[index(column) + 1]); ++e) {
@@ -211,14 +248,17 @@ void PartialFactor::begin(const FactoredMatrix& other, const std::vector<double>
   values_.inverse_pivot.reserve(n);
   is_taken_over_.assign(n, 0);
   preferred_of_.resize(n);
-  place_before_.assign(n, none);
-  for (std::size_t k = 0; k + index(before.single_rows) < n; ++k) place_before_[index(before.column[k])] = static_cast<int>(k);
+  place_before_.resize(n);
+  for (std::size_t k = 0; k < n; ++k) place_before_[index(before.column[k])] = static_cast<int>(k);
+  first_single_before_ = static_cast<int>(n) - before.single_rows;
+  first_copied_ = end_copied_ = none;
+  eliminated_columns_ = 0;
   find_changes(other, values);
 }
 
 /// Where another row is the k-th pivot, the one that the order has there goes to that one's place, as in KLU.
-void PartialFactor::exchange_preferred(std::vector<int>& preferred, std::size_t k) {
-  const int pivot = pivots_->row[k], left = preferred[k];
+void PartialFactor::exchange_preferred(std::vector<int>& preferred, std::size_t k, int pivot) {
+  const int left = preferred[k];
   if (pivot == left) return;
   const int place = preferred_of_[index(pivot)];
   preferred[index(place)] = left;
@@ -227,26 +267,33 @@ void PartialFactor::exchange_preferred(std::vector<int>& preferred, std::size_t 
 
 std::optional<FixedPivotFactor> PartialFactor::factor(const FactoredMatrix& other, const std::vector<double>& values,
                                                       double diagonal_share) {
-  RestOfOrder rest = sifter_.order_rest(values);
-  if (!rest.is_square) return std::nullopt;
   begin(other, values);
+  RestOfOrder rest = sifter_.order_rest(pivots_->zeros);
+  if (!rest.is_square) return std::nullopt;
   for (std::size_t k = 0; k < rest.order.row.size(); ++k) preferred_of_[index(rest.order.row[k])] = static_cast<int>(k);
   const std::size_t n = rest.order.row.size(), first_single = n - index(rest.single_rows);
   for (std::size_t k = 0; k < n; ++k) {
     const int column = rest.order.column[k];
+    const Pivots& before = *other.factor.pivots();
+    if (k < first_single ? may_take_over(column, before) : may_keep_single(rest.order.row[k], column, before)) {
+      take_over(column, other.factor);
+      exchange_preferred(rest.order.row, k, before.row[index(place_before_[index(column)])]);
+      continue;
+    }
+    copy_columns(other.factor);
     if (k >= first_single) {
       take_single(rest.order.row[k], column, values);
-    } else if (may_take_over(column, *other.factor.pivots())) {
-      take_over(column, other.factor);
-    } else {
-      scatter(column, values);
-      eliminate();
-      const int pivot = choose_pivot(rest.order.row[k], diagonal_share);
-      if (pivot == none) return std::nullopt;
-      end_column(pivot, column);
+      continue;
     }
-    exchange_preferred(rest.order.row, k);
+    scatter(column, values);
+    eliminate();
+    const int pivot = choose_pivot(rest.order.row[k], diagonal_share);
+    if (pivot == none) return std::nullopt;
+    end_column(pivot, column);
+    ++eliminated_columns_;
+    exchange_preferred(rest.order.row, k, pivot);
   }
+  copy_columns(other.factor);
   pivots_->block = std::move(rest.order.block);
   pivots_->single_rows = rest.single_rows;
   return FixedPivotFactor(std::move(pivots_), std::move(values_));

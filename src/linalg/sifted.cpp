@@ -22,7 +22,7 @@ Sifter::Sifter(const SparsePattern& pattern, const BlockOrder& order) : pattern_
     }
 }
 
-void Sifter::drop_zeros(const std::vector<double>& values, Sifted& sifted) const {
+void Sifter::drop_zeros(Sifted& sifted) const {
   SparsePattern& kept = sifted.pattern;
   kept.size = pattern_.size;
   kept.start.resize(index(pattern_.size) + 1);
@@ -30,7 +30,7 @@ void Sifter::drop_zeros(const std::vector<double>& values, Sifted& sifted) const
   sifted.entry.reserve(pattern_.entries());
   for (int j = 0; j < pattern_.size; ++j) {
     for (int e = pattern_.start[index(j)]; e < pattern_.start[index(j) + 1]; ++e) {
-      if (values[index(e)] == 0.0) continue;
+      if (sifted.zeros.is_zero[index(e)] != 0) continue;
       kept.row.push_back(pattern_.row[index(e)]);
       sifted.entry.push_back(e);
     }
@@ -39,14 +39,14 @@ void Sifter::drop_zeros(const std::vector<double>& values, Sifted& sifted) const
 }
 
 /// Rows with one entry left, each with its column.
-void Sifter::take_single_rows(const std::vector<double>& values) {
+void Sifter::take_single_rows(const Zeros& zeros) {
   const std::size_t n = index(pattern_.size);
+  const char* const is_zero = zeros.is_zero.data();
   is_row_taken_.assign(n, 0);
   is_column_taken_.assign(n, 0);
   single_rows_.clear();
   single_columns_.clear();
-  entries_left_.assign(n, 0);
-  for (std::size_t e = 0; e < pattern_.entries(); ++e) entries_left_[index(pattern_.row[e])] += values[e] != 0.0 ? 1 : 0;
+  entries_left_ = zeros.entries_of_row;
   for (int i = 0; i < pattern_.size; ++i)
     if (entries_left_[index(i)] == 1) single_rows_.push_back(i);
   for (std::size_t k = 0; k < single_rows_.size(); ++k) {
@@ -54,14 +54,13 @@ void Sifter::take_single_rows(const std::vector<double>& values) {
     is_row_taken_[index(row)] = 1;
     int column = -1;
     for (int p = by_rows_.start[index(row)]; p < by_rows_.start[index(row) + 1]; ++p)
-      if (values[index(entry_by_rows_[index(p)])] != 0.0 && is_column_taken_[index(by_rows_.row[index(p)])] == 0)
-        column = by_rows_.row[index(p)];
+      if (is_zero[entry_by_rows_[index(p)]] == 0 && is_column_taken_[index(by_rows_.row[index(p)])] == 0) column = by_rows_.row[index(p)];
     single_columns_.push_back(column);
     if (column < 0) return;  // two rows with the same single entry
     is_column_taken_[index(column)] = 1;
     for (int e = pattern_.start[index(column)]; e < pattern_.start[index(column) + 1]; ++e) {
       const int other = pattern_.row[index(e)];
-      if (values[index(e)] != 0.0 && --entries_left_[index(other)] == 1 && is_row_taken_[index(other)] == 0) single_rows_.push_back(other);
+      if (is_zero[e] == 0 && --entries_left_[index(other)] == 1 && is_row_taken_[index(other)] == 0) single_rows_.push_back(other);
     }
   }
 }
@@ -83,8 +82,8 @@ bool Sifter::match_single_rows() {
 }
 
 /// What is not taken in the blocks of the pattern's order, then the single rows.
-RestOfOrder Sifter::order_rest(const std::vector<double>& values) {
-  take_single_rows(values);
+RestOfOrder Sifter::order_rest(const Zeros& zeros) {
+  take_single_rows(zeros);
   if (!match_single_rows()) return {order_, 0, false};
   RestOfOrder rest;
   BlockOrder& order = rest.order;
@@ -131,10 +130,12 @@ void Sifter::count_entries(Sifted& sifted) {
 
 Sifted Sifter::sift(const std::vector<double>& values) {
   Sifted sifted;
-  sifted.rest = order_rest(values);
+  sifted.zeros = zeros_of(pattern_, values);
+  sifted.rest = order_rest(sifted.zeros);
   if (sifted.rest.is_square) {
-    drop_zeros(values, sifted);
+    drop_zeros(sifted);
   } else {
+    sifted.zeros = zeros_of(pattern_, std::vector<double>(values.size(), 1.0));
     sifted.pattern = pattern_;
     sifted.entry.resize(pattern_.entries());
     std::iota(sifted.entry.begin(), sifted.entry.end(), 0);

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "linalg/fixed_pivots.hpp"
 #include "linalg/sparse.hpp"
 
 namespace pwlsim::linalg {
@@ -25,6 +26,7 @@ struct RestOfOrder {
 
 struct Sifted {
   SparsePattern pattern;
+  Zeros zeros;             ///< of the whole pattern
   std::vector<int> entry;  ///< of the whole pattern, of each entry
   RestOfOrder rest;
   std::vector<int> entries_of_block;
@@ -38,7 +40,7 @@ class Sifter {
   Sifter(const SparsePattern& pattern, const BlockOrder& order);
   /// All of the matrix where the blocks that are left are not square.
   [[nodiscard]] Sifted sift(const std::vector<double>& values);
-  [[nodiscard]] RestOfOrder order_rest(const std::vector<double>& values);
+  [[nodiscard]] RestOfOrder order_rest(const Zeros& zeros);
 
   [[nodiscard]] const SparsePattern& pattern() const { return pattern_; }
   /// Rows of the pattern as columns, and for each of their entries its number in the pattern.
@@ -49,8 +51,8 @@ class Sifter {
   [[nodiscard]] int block_of_column(int column) const { return block_in_order_[index(row_in_order_[index(column)])]; }
 
  private:
-  void drop_zeros(const std::vector<double>& values, Sifted& sifted) const;
-  void take_single_rows(const std::vector<double>& values);
+  void drop_zeros(Sifted& sifted) const;
+  void take_single_rows(const Zeros& zeros);
   [[nodiscard]] bool match_single_rows();
   void count_entries(Sifted& sifted);
 

@@ -40,6 +40,9 @@ inline constexpr double suspicious_ratio = 1e-3;
 /// Of: the entries of L and U that an ordering expects with pivots on its diagonal.
 /// Why: above it pivots off the diagonal fill the factors, and an ordering that expects them is tried.
 inline constexpr double most_fill = 1.5;
+/// Of: the entries of L and U in the order before.
+/// Why: a solution takes as much longer where few columns depend on each: less than factors save that take others over.
+inline constexpr double shallow_fill = 1.5;
 /// Of: one, as a condition number.
 /// Why: beyond it four digits are left, and the matrix is factored with new pivots.
 inline constexpr double largest_condition = 1e12;

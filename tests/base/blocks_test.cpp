@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <random>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "base/disjoint_sets.hpp"
 
 using pwlsim::Block;
+using pwlsim::Blocks;
 using pwlsim::blocks_of;
 
 namespace {
@@ -50,15 +52,16 @@ TEST_CASE("blocks are what no node separates", "[unit]") {
                          static_cast<int>(random() % static_cast<unsigned>(nodes)));
     std::vector<int> found(edges.size(), -1);
     std::vector<char> is_entered(static_cast<std::size_t>(nodes), 0);
-    for (const Block& block : blocks_of(nodes, edges)) {
-      const int least = *std::min_element(block.edges.begin(), block.edges.end());
-      for (const int e : block.edges) {
+    const Blocks blocks = blocks_of(nodes, edges);
+    for (const Block& block : blocks.list) {
+      const std::span<const int> own = blocks.edges_of(block);
+      const int least = *std::min_element(own.begin(), own.end());
+      for (const int e : own) {
         const auto [a, b] = edges[static_cast<std::size_t>(e)];
         CHECK(block.is_loop == (a == b));
         found[static_cast<std::size_t>(e)] = least;
         for (const int node : {a, b})
-          if (node != block.hangs_on)
-            CHECK(std::exchange(is_entered[static_cast<std::size_t>(node)], 1) <= (block.edges.size() > 1 ? 1 : 0));
+          if (node != block.hangs_on) CHECK(std::exchange(is_entered[static_cast<std::size_t>(node)], 1) <= (own.size() > 1 ? 1 : 0));
       }
     }
     CHECK(found == by_definition(nodes, edges));
@@ -68,17 +71,18 @@ TEST_CASE("blocks are what no node separates", "[unit]") {
 TEST_CASE("a block comes after the one that it hangs on", "[unit]") {
   // A triangle at ground, an edge from it, and at the end of that two parallel edges and a loop; a part that ground does not reach.
   const Edges edges{{3, 4}, {4, 3}, {4, 4}, {2, 3}, {1, 2}, {0, 1}, {2, 0}, {6, 5}};
-  const auto list = blocks_of(7, edges);
+  const Blocks blocks = blocks_of(7, edges);
   std::vector<std::vector<int>> sorted;
   std::vector<char> known(7, 0);
   known[0] = known[5] = 1;
-  for (auto block : list) {
+  for (const Block& block : blocks.list) {
     CHECK(known[static_cast<std::size_t>(block.hangs_on)] == 1);
-    for (const int e : block.edges)
+    const std::span<const int> own = blocks.edges_of(block);
+    for (const int e : own)
       known[static_cast<std::size_t>(edges[static_cast<std::size_t>(e)].first)] =
           known[static_cast<std::size_t>(edges[static_cast<std::size_t>(e)].second)] = 1;
-    std::sort(block.edges.begin(), block.edges.end());
-    sorted.push_back(block.edges);
+    std::vector<int>& last = sorted.emplace_back(own.begin(), own.end());
+    std::sort(last.begin(), last.end());
   }
   std::sort(sorted.begin(), sorted.end());
   CHECK(sorted == std::vector<std::vector<int>>{{0, 1}, {2}, {3}, {4, 5, 6}, {7}});

@@ -137,7 +137,7 @@ TEST_CASE("pivots that are given: solutions, transposed ones, the norm of the in
     pivots->upper_start.push_back(static_cast<int>(pivots->upper_row.size()));
   }
   pivots->block = {0, n};
-  pivots->is_zero.assign(m.pattern.entries(), 0);
+  pivots->zeros.is_zero.assign(m.pattern.entries(), 0);
   FixedPivotFactor factor;
   std::vector<double> work;
   REQUIRE(factor.factor(m.pattern, m.values, pivots, work));

@@ -283,7 +283,7 @@ std::vector<double> Descriptor::node_admittances(double shift) const {
 
 Descriptor::Closing Descriptor::closing(double shift, const Position& on, double epsilon) const {
   Closing closing{std::vector<double>(on.size()), std::vector<double>(on.size())};
-  const double unit = mean_admittance(shift);
+  const double unit = epsilon != 0.0 ? mean_admittance(shift) : 1.0;
   for (std::size_t i = 0; i < on.size(); ++i) {
     closing.of_slack[i] = on[i] != 0 ? 1.0 : epsilon;
     closing.of_input[i] = on[i] != 0 ? epsilon / unit : 1.0;

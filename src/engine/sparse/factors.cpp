@@ -157,7 +157,8 @@ linalg::Factored Factors::factor(Entry& entry, const std::vector<int>& ties, boo
   f.closing_.reset();
   f.ties_.clear();
   f.open_.clear();
-  f.unit_ = descriptor_.mean_admittance(entry.shift);
+  if (entry.shift != unit_.shift) unit_ = {entry.shift, descriptor_.mean_admittance(entry.shift)};
+  f.unit_ = unit_.unit;
   if (!f.klu_ || f.klu_.use_count() > 1) {
     f.klu_ = std::make_shared<linalg::KluFactor>(ordering_);
     same_pivots = false;

@@ -126,6 +126,9 @@ class Factors {
   std::size_t kept_;                          ///< factors
   std::unordered_set<std::size_t> given_up_;  ///< keys of factors that were given up for others
   std::vector<double> values_;
+  struct {
+    double shift = 0.0, unit = 1.0;
+  } unit_;  ///< of currents, at the last shift
   std::uint64_t clock_ = 0;
   std::size_t last_ = 0;  ///< entry used last
   int singular_unknown_ = -1;

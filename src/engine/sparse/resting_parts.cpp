@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "engine/sparse/tolerances.hpp"
@@ -98,8 +99,8 @@ void RestingParts::divide(const Position& on) {
 /// Whether an inductor that carries a current is a block alone.
 bool RestingParts::cuts_current() const {
   const auto& states = descriptor_.states();
-  return std::any_of(blocks_.begin(), blocks_.end(), [&](const Block& block) {
-    const auto e = static_cast<std::size_t>(conducting_[static_cast<std::size_t>(block.edges.front())]);
+  return std::any_of(blocks_.list.begin(), blocks_.list.end(), [&](const Block& block) {
+    const auto e = static_cast<std::size_t>(conducting_[static_cast<std::size_t>(blocks_.edges_of(block).front())]);
     return is_alone(block) && e < states.size() && states[e].is_current && holds_[e] != 0;
   });
 }
@@ -137,9 +138,11 @@ const std::vector<char>& RestingParts::idle_ports(const Position& on) {
   find_conducting();
   idle_.assign(on.size(), 0);
   const auto edge_of = [&](int e) -> const Edge& { return edges_[static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)])]; };
-  for (const Block& block : blocks_of(static_cast<int>(at_.size()), ends_)) {
-    if (!is_alone(block) && !std::all_of(block.edges.begin(), block.edges.end(), [&](int e) { return is_wire(edge_of(e)); })) continue;
-    for (const int e : block.edges)
+  const Blocks blocks = blocks_of(static_cast<int>(at_.size()), ends_);
+  for (const Block& block : blocks.list) {
+    const std::span<const int> edges = blocks.edges_of(block);
+    if (!is_alone(block) && !std::all_of(edges.begin(), edges.end(), [&](int e) { return is_wire(edge_of(e)); })) continue;
+    for (const int e : edges)
       if (const int port = edge_of(e).port; port >= 0) idle_[static_cast<std::size_t>(port)] = 1;
   }
   return idle_;
@@ -149,15 +152,15 @@ void RestingParts::find_blocks(const Origin& start) {
   charged_.assign(at_.size(), 0);
   for (int node = 1; node < static_cast<int>(at_.size()); ++node)
     if (start.has_more(node - 1)) charged_[static_cast<std::size_t>(merged_.find(node))] = 1;
-  std::vector<char> moving(blocks_.size(), 0);
-  for (std::size_t b = 0; b < blocks_.size(); ++b)
-    for (const int e : blocks_[b].edges)
+  std::vector<char> moving(blocks_.list.size(), 0);
+  for (std::size_t b = 0; b < moving.size(); ++b)
+    for (const int e : blocks_.edges_of(blocks_.list[b]))
       if (moves(static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)]), start)) moving[b] = 1;
   spread(moving);
   anchor_.assign(at_.size(), nowhere);
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const Block& block = blocks_[b];
-    for (const int e : block.edges) {
+  for (std::size_t b = 0; b < moving.size(); ++b) {
+    const Block& block = blocks_.list[b];
+    for (const int e : blocks_.edges_of(block)) {
       const auto i = static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)]);
       if (moving[b] == 0 || (is_alone(block) && edges_[i].is_free() && !is_pushed(i, start))) rest(i);
     }
@@ -185,14 +188,14 @@ bool RestingParts::moves(std::size_t edge, const Origin& start) {
 /// What moves moves the inductors that are coupled to it.
 void RestingParts::spread(std::vector<char>& moving) {
   std::vector<std::size_t> block_of(edges_.size(), 0), open;
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    for (const int e : blocks_[b].edges) block_of[static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)])] = b;
+  for (std::size_t b = 0; b < moving.size(); ++b) {
+    for (const int e : blocks_.edges_of(blocks_.list[b])) block_of[static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)])] = b;
     if (moving[b] != 0) open.push_back(b);
   }
   while (!open.empty()) {
     const std::size_t b = open.back();
     open.pop_back();
-    for (const int e : blocks_[b].edges)
+    for (const int e : blocks_.edges_of(blocks_.list[b]))
       for (const int other : edges_[static_cast<std::size_t>(conducting_[static_cast<std::size_t>(e)])].coupled) {
         const std::size_t next = block_of[static_cast<std::size_t>(other)];
         if (std::exchange(moving[next], 1) == 0) open.push_back(next);
@@ -227,7 +230,7 @@ void RestingParts::follow_nodes(const Block& block) {
 /// Without the one that it hangs on.
 const std::vector<int>& RestingParts::sets_of(const Block& block) {
   open_.clear();
-  for (const int e : block.edges)
+  for (const int e : blocks_.edges_of(block))
     for (const int set : {ends_[static_cast<std::size_t>(e)].first, ends_[static_cast<std::size_t>(e)].second})
       if (set != block.hangs_on) open_.push_back(set);
   std::sort(open_.begin(), open_.end());
@@ -279,8 +282,8 @@ void RestingParts::add_impulses(const std::vector<double>& start, const std::vec
   if (!has_blocks_) return;  // no inductor carried a current
   const std::size_t first = descriptor_.network().capacitors.size(), end = descriptor_.states().size();
   std::vector<double> lift(at_.size(), 0.0);  // of sets; a block comes after the one that it hangs on
-  for (const Block& block : blocks_) {
-    const auto e = static_cast<std::size_t>(conducting_[static_cast<std::size_t>(block.edges.front())]);
+  for (const Block& block : blocks_.list) {
+    const auto e = static_cast<std::size_t>(conducting_[static_cast<std::size_t>(blocks_.edges_of(block).front())]);
     double more = lift[static_cast<std::size_t>(block.hangs_on)];
     if (is_alone(block) && rests_[e] != 0 && e >= first && e < end) {
       const auto current = static_cast<std::size_t>(edges_[e].currents.front());

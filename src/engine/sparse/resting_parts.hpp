@@ -72,7 +72,7 @@ class RestingParts {
   void rest_nodes(const Block& block);
   void follow_nodes(const Block& block);
   [[nodiscard]] const std::vector<int>& sets_of(const Block& block);
-  [[nodiscard]] static bool is_alone(const Block& block) { return block.edges.size() == 1 && !block.is_loop; }
+  [[nodiscard]] static bool is_alone(const Block& block) { return block.end - block.first == 1 && !block.is_loop; }
   void take_out_ends(const Origin& start);
 
   const Descriptor& descriptor_;
@@ -91,7 +91,7 @@ class RestingParts {
   std::vector<char> holds_, rests_;        ///< of edges: storage that is no rounding; at rest
   std::vector<int> conducting_;            ///< edges between sets
   std::vector<std::pair<int, int>> ends_;  ///< and their sets
-  std::vector<Block> blocks_;              ///< of these
+  Blocks blocks_;                          ///< of these
   std::vector<int> anchor_;                ///< of sets: the first of the nodes at rest that they hang on
   std::vector<int> open_;                  ///< nodes to be looked at
   std::vector<Held> nodes_;
