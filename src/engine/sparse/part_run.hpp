@@ -223,7 +223,6 @@ class PartRun {
     std::vector<double> z, memory, states;
   };
   void stand(const Standing& at);
-  [[nodiscard]] bool find_past_control(const Beginning& ahead, const Standing& before, Instant& instant);
   [[nodiscard]] Sought seek_by_steps(const Beginning& beginning, Instant& instant, double h);
   [[nodiscard]] bool share_freely();
   [[nodiscard]] bool correct_rows();

@@ -55,10 +55,10 @@ bool PartRun::flip(const Point& at, bool by_sources, double time, Instant& insta
   return !violated.empty();
 }
 
-/// Whether only a jump of states could take a control beyond its threshold, or a motion within the step: all that answers to the states as they are settles first. So a switch that empties the capacitor
-/// which closed it has done so before it opens.
+/// By segments: whether only a jump of states could take a control beyond its threshold, or a motion within the step: all that answers to the states as they are settles first. So a switch that
+/// empties the capacitor which closed it has done so before it opens. (Euler steps take time for that, which would be lost.)
 bool PartRun::waits_for_jump(const WatchedControl& control, const Position& on) const {
-  if (!control.reads_states || !start_memory_.empty()) return false;
+  if (!segment_ || !control.reads_states || !start_memory_.empty()) return false;
   const double value = control.value.value(point_.z.data(), point_.w.data());
   return control.margin(on, value) > control.noise(value, largest(point_.z));
 }

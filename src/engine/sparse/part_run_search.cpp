@@ -257,8 +257,7 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
     const Ways ways = relaxation.ways;
     found = ways != Ways::by_steps && follows_directly(candidate);
     if (!found && (ways == Ways::directly_or_by_ties || ways == Ways::all)) found = follows_by_ties(beginning, candidate);
-    if (!found && (ways == Ways::by_steps || ways == Ways::all))
-      found = find_after_steps(beginning, instant) || find_past_control({candidate, beginning.instant}, before, instant);
+    if (!found && (ways == Ways::by_steps || ways == Ways::all)) found = find_after_steps(beginning, instant);
     if (found && relaxation.refines) segment_->refine_position();
     if (found || !failure_.id.empty()) break;
   }
@@ -274,13 +273,6 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
                    instant.time),
        {});
   return false;
-}
-
-/// Where a control has passed, from the position in which its switch has answered: in Euler steps that are short beside its rate the control itself moves by rounding alone, and does not pass again.
-bool PartRun::find_past_control(const Beginning& ahead, const Standing& before, Instant& instant) {
-  if (!failure_.id.empty() || starting_ || passing_ < descriptor_.first_switch()) return false;
-  stand(before);
-  return find_after_steps(ahead, instant);
 }
 
 /// Where a port passes zero and nothing else happens, no state jumps, and the others stay on their sides but for those at zero.
