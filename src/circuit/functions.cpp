@@ -47,21 +47,21 @@ constexpr BuiltinFunction functions[] = {
     {"asinh", 1, 1, of_one<std::asinh>},
     {"acosh", 1, 1, of_one<std::acosh>},
     {"atanh", 1, 1, of_one<std::atanh>},
-    {"abs", 1, 1, of_one<std::fabs>},
+    {"abs", 1, 1, of_one<std::fabs>, false, Corners::at_zero},
     {"pow", 2, 2, of_two<std::pow>},
-    {"pwr", 2, 2, [](ArgumentValues a) { return std::pow(std::fabs(a[0]), a[1]); }},
-    {"pwrs", 2, 2, [](ArgumentValues a) { return sign(a[0]) * std::pow(std::fabs(a[0]), a[1]); }},
-    {"floor", 1, 1, of_one<std::floor>},
-    {"ceil", 1, 1, of_one<std::ceil>},
-    {"int", 1, 1, of_one<std::trunc>},
-    {"round", 1, 1, of_one<std::round>},
-    {"mod", 2, 2, [](ArgumentValues a) { return a[0] - a[1] * std::floor(a[0] / a[1]); }},
-    {"buf", 1, 1, [](ArgumentValues a) { return a[0] > 0.5 ? 1.0 : 0.0; }},
-    {"inv", 1, 1, [](ArgumentValues a) { return a[0] > 0.5 ? 0.0 : 1.0; }},
-    {"sgn", 1, 1, of_one<sign>},
-    {"limit", 3, 3, median, true},
-    {"min", 2, any_number, [](ArgumentValues a) { return *std::min_element(a.begin(), a.end()); }, true},
-    {"max", 2, any_number, [](ArgumentValues a) { return *std::max_element(a.begin(), a.end()); }, true},
+    {"pwr", 2, 2, [](ArgumentValues a) { return std::pow(std::fabs(a[0]), a[1]); }, false, Corners::at_zero},
+    {"pwrs", 2, 2, [](ArgumentValues a) { return sign(a[0]) * std::pow(std::fabs(a[0]), a[1]); }, false, Corners::at_zero},
+    {"floor", 1, 1, of_one<std::floor>, false, Corners::at_levels},
+    {"ceil", 1, 1, of_one<std::ceil>, false, Corners::at_levels},
+    {"int", 1, 1, of_one<std::trunc>, false, Corners::at_levels},
+    {"round", 1, 1, of_one<std::round>, false, Corners::at_levels},
+    {"mod", 2, 2, [](ArgumentValues a) { return a[0] - a[1] * std::floor(a[0] / a[1]); }, false, Corners::at_levels},
+    {"buf", 1, 1, [](ArgumentValues a) { return a[0] > 0.5 ? 1.0 : 0.0; }, false, Corners::at_levels},
+    {"inv", 1, 1, [](ArgumentValues a) { return a[0] > 0.5 ? 0.0 : 1.0; }, false, Corners::at_levels},
+    {"sgn", 1, 1, of_one<sign>, false, Corners::at_zero},
+    {"limit", 3, 3, median, true, Corners::of_differences},
+    {"min", 2, any_number, [](ArgumentValues a) { return *std::min_element(a.begin(), a.end()); }, true, Corners::of_differences},
+    {"max", 2, any_number, [](ArgumentValues a) { return *std::max_element(a.begin(), a.end()); }, true, Corners::of_differences},
 };
 
 struct SpelledOperator {
@@ -100,6 +100,8 @@ const BuiltinFunction* find_builtin(std::string_view name) {
   const auto* found = std::find_if(std::begin(functions), std::end(functions), [&](const auto& f) { return same_name(f.name, name); });
   return found == std::end(functions) ? nullptr : found;
 }
+
+bool compares(std::string_view op) { return op == "<" || op == ">" || op == "<=" || op == ">=" || op == "==" || op == "!="; }
 
 BinaryOperator find_binary(std::string_view op) {
   const auto* found = std::find_if(std::begin(operators), std::end(operators), [&](const auto& o) { return o.text == op; });

@@ -7,11 +7,15 @@
 
 namespace pwlsim::circuit {
 
+/// Where a function has corners or jumps: nowhere; where its first argument is zero; where two arguments are equal; at levels of its first argument.
+enum class Corners { none, at_zero, of_differences, at_levels };
+
 struct BuiltinFunction {
   std::string_view name;
   std::size_t least = 1, most = 1;  ///< number of arguments
   double (*value)(std::span<const double> arguments) = nullptr;
   bool passes_infinity = false;  ///< may return an argument that was written as `inf`
+  Corners corners = Corners::none;
 };
 
 /// `if` and `ternary_fcn` are not here: they do not evaluate one of their arguments.
@@ -22,6 +26,8 @@ struct BuiltinFunction {
 [[nodiscard]] constexpr double sign(double x) { return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0); }
 
 using BinaryOperator = double (*)(double, double);
+/// Whether it is one of < > <= >= == !=, which jump where both sides are equal.
+[[nodiscard]] bool compares(std::string_view op);
 /// By the deck's spelling; nan if unknown.
 [[nodiscard]] BinaryOperator find_binary(std::string_view op);
 

@@ -102,7 +102,6 @@ bool PieceView::resolve(const Program& program, const std::vector<double>& resul
     take(whole);
     return true;
   }
-  for (const double value : whole.values) scale = std::max(scale, std::abs(value));
   split(program, results, whole, scale);
   std::sort(parts_.begin(), parts_.end(), [](const Open& a, const Open& b) { return a.part.from < b.part.from; });
   double unresolved = 0.0;
@@ -114,9 +113,11 @@ bool PieceView::resolve(const Program& program, const std::vector<double>& resul
 }
 
 /// Halves the part that is farthest from a polynomial until all are near, or there are too many.
-void PieceView::split(const Program& program, const std::vector<double>& results, const PolynomialPart& whole, double scale) {
+/// `scale` grows with what comes to light.
+void PieceView::split(const Program& program, const std::vector<double>& results, const PolynomialPart& whole, double& scale) {
   const auto is_nearer = [](const Open& a, const Open& b) { return a.error < b.error; };
   const auto add = [&](const PolynomialPart& part, double tail_before, int depth) {
+    for (const double value : part.values) scale = std::max(scale, std::abs(value));
     const bool may_split = depth < deepest && part.time(0.0) > part.from && part.time(0.0) < part.to;
     const double error = may_split ? error_of(program, results, part, tail_before, scale) : 0.0;
     parts_.push_back({part, error, depth});
@@ -142,17 +143,35 @@ PolynomialPart PieceView::part_on(const Program& program, const std::vector<doub
   return part;
 }
 
-/// 0 for a part that is resolved. A corner may hide between an end and the first point. What halving leaves as it was is rounding, unless it is large: a
-/// jump.
+/// 0 for a part that is resolved. A corner or a jump may hide between an end and the first point, or two of them between points. What halving leaves as it was is rounding,
+/// unless it is large: a jump.
 double PieceView::error_of(const Program& program, const std::vector<double>& results, const PolynomialPart& part, double tail_before,
                            double scale) {
   const double tail = part.series.tail();
-  if (tail <= noise * scale && tail > stalled * tail_before) return 0.0;
   const double ends = std::max(std::abs(part.series(-1.0) - value(program, results, part.from)),
                                std::abs(part.series(1.0) - value(program, results, part.to)));
   const double tolerance = resolution * scale;
-  if (tail <= tolerance && ends <= end_slack * tolerance) return 0.0;
-  return std::max(tail, ends);
+  const bool is_rounding = std::max(tail, ends) <= noise * scale && tail > stalled * tail_before;
+  if (!is_rounding && !(tail <= tolerance && ends <= end_slack * tolerance)) return std::max(tail, ends);
+  const double hidden = hidden_error(program, results, part);
+  return hidden > noise * scale ? hidden : 0.0;
+}
+
+/// How far a part that its points resolve is from the expression where a comparison, or what max chooses from, goes farther between points than at these: what is there alone shows at its
+/// extremes.
+double PieceView::hidden_error(const Program& program, const std::vector<double>& results, const PolynomialPart& part) {
+  if (program.turns() == 0) return 0.0;
+  linalg::LegendreValues plain;
+  values(program, results, part.from, part.to, plain.data());  // the inputs of the part
+  program.find_turns(inputs_, points, turns_);
+  double error = 0.0;
+  for (std::size_t turn = 0; turn < program.turns(); ++turn) {
+    const linalg::LegendreSeries quantity(turns_.data() + turn * points);
+    if (program.turns_at_zero(turn) && std::abs(quantity.mean()) > quantity.variation()) continue;
+    for (const double x : linalg::stationary_points(quantity))
+      error = std::max(error, std::abs(part.series(x) - value(program, results, part.time(x))));
+  }
+  return error;
 }
 
 }  // namespace pwlsim::measure

@@ -44,9 +44,10 @@ class PieceView {
 
  private:
   [[nodiscard]] PolynomialPart part_on(const Program& program, const std::vector<double>& results, double from, double to);
-  void split(const Program& program, const std::vector<double>& results, const PolynomialPart& whole, double scale);
+  void split(const Program& program, const std::vector<double>& results, const PolynomialPart& whole, double& scale);
   [[nodiscard]] double error_of(const Program& program, const std::vector<double>& results, const PolynomialPart& part, double tail_before,
                                 double scale);
+  [[nodiscard]] double hidden_error(const Program& program, const std::vector<double>& results, const PolynomialPart& part);
   const double* signal_on(int probe, double from, double to);
 
   engine::Piece piece_;
@@ -58,6 +59,7 @@ class PieceView {
     linalg::LegendreValues values{};
   };
   std::vector<Signal> signals_;
+  std::vector<double> turns_;
   struct Open {
     PolynomialPart part;
     double error = 0.0;  ///< 0: resolved

@@ -36,18 +36,26 @@ class Program {
                                double time) const;
   /// `values`: `count` of them.
   void evaluate(const Inputs& inputs, std::size_t count, double* values) const;
+  /// The number of quantities at whose zeros, or levels, it has a corner or a jump: sides of a comparison, arguments of max and abs, and the like.
+  [[nodiscard]] std::size_t turns() const { return turns_at_zero_.size(); }
+  /// Whether such a quantity acts at its zeros alone.
+  [[nodiscard]] bool turns_at_zero(std::size_t turn) const { return turns_at_zero_[turn]; }
+  /// Their values, quantity by quantity: `count` of each.
+  void find_turns(const Inputs& inputs, std::size_t count, std::vector<double>& values) const;
   /// The value of an expression that reads only results.
   [[nodiscard]] double value(const std::vector<double>& results) const;
 
  private:
   using Step = circuit::MeasuredExpression::Step;
-  [[nodiscard]] double at(const Inputs& inputs, std::size_t instant) const;
+  void note_turns(const Step& step);
+  [[nodiscard]] double at(const Inputs& inputs, std::size_t instant, std::vector<double>* turns = nullptr) const;
 
   std::vector<Step> steps_;
   std::vector<circuit::BinaryOperator> operators_;  ///< of the steps that are operations
   std::vector<int> probes_;
+  std::vector<bool> turns_at_zero_;  ///< one of each quantity
   bool polynomial_ = true, linear_ = true;
-  mutable std::vector<double> stack_;
+  mutable std::vector<double> stack_, turns_;
 };
 
 }  // namespace pwlsim::measure

@@ -1,16 +1,19 @@
 #include "engine/sparse/controls.hpp"
-#include "engine/sparse/tolerances.hpp"
-#include "model/islands.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+
+#include "base/disjoint_sets.hpp"
+#include "engine/sparse/tolerances.hpp"
+#include "model/islands.hpp"
 
 namespace pwlsim::engine::sparse {
 
 namespace {
 
-enum Turn { gates = 0, latches = 1, all_others = 2 };
+enum Turn { gates, latches, drivers, all_others };
 
 /// Of each switch of the network.
 std::vector<int> turns_of(const model::Network& network) {
@@ -21,11 +24,44 @@ std::vector<int> turns_of(const model::Network& network) {
   for (const model::Island& island : islands)
     for (const int s : island.switch_number) drives_logic[static_cast<std::size_t>(s)] = is_logic(island) ? 1 : 0;
   for (const model::Island& island : islands)
-    for (const auto& control : island.controls)
-      if (is_logic(island) && drives_logic[static_cast<std::size_t>(control.driven)] != 0)
-        turns[static_cast<std::size_t>(control.driven)] = control.on_level == control.off_level ? gates : latches;
+    for (const auto& control : island.controls) {
+      if (!is_logic(island)) continue;
+      const auto driven = static_cast<std::size_t>(control.driven);
+      turns[driven] = drives_logic[driven] == 0 ? drivers : control.on_level == control.off_level ? gates : latches;
+    }
   return turns;
 }
+
+/// Whether forms are sums of states: currents of inductors, and voltages of nodes that capacitors join.
+class StateForms {
+ public:
+  explicit StateForms(const Descriptor& descriptor)
+      : descriptor_(descriptor), joined_(descriptor.nodes() + 1), is_current_(static_cast<std::size_t>(descriptor.size()), 0) {
+    for (const State& state : descriptor.states()) {
+      if (state.is_current && state.current.empty() && state.flux.empty())
+        is_current_[static_cast<std::size_t>(state.plus)] = 1;
+      else if (!state.is_current && state.storage != 0.0)
+        joined_.join(state.plus + 1, state.minus + 1);
+    }
+  }
+  [[nodiscard]] bool contain(const Form& form) {
+    std::map<int, double> sums;  // of the nodes of a set
+    double size = 0.0;
+    for (const Form::IndexedTerm& part : form.z) {
+      if (part.index >= descriptor_.nodes() && is_current_[static_cast<std::size_t>(part.index)] == 0) return false;
+      if (part.index >= descriptor_.nodes()) continue;
+      size = std::max(size, std::abs(part.coefficient));
+      sums[joined_.find(part.index + 1)] += part.coefficient;
+    }
+    sums.erase(joined_.find(0));  // with ground
+    return std::all_of(sums.begin(), sums.end(), [&](const auto& sum) { return std::abs(sum.second) <= tolerance::guard_sign * size; });
+  }
+
+ private:
+  const Descriptor& descriptor_;
+  DisjointSets joined_;
+  std::vector<char> is_current_;
+};
 
 }  // namespace
 
@@ -56,10 +92,12 @@ bool WatchedControl::passes_with(const WatchedControl& other, const Position& on
 
 std::vector<WatchedControl> controls_of(const model::Network& network, const Descriptor& descriptor) {
   std::vector<WatchedControl> controls;
+  StateForms states(descriptor);
   for (std::size_t i = 0; i < network.switches.size(); ++i) {
     const auto& s = network.switches[i];
     controls.push_back(
         {static_cast<std::size_t>(descriptor.first_switch()) + i, descriptor.form(s.control), s.on_level, s.off_level, s.inverted});
+    controls.back().reads_states = states.contain(controls.back().value);
   }
   return controls;
 }

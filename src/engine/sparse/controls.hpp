@@ -13,8 +13,9 @@ struct WatchedControl {
   Form value;            ///< SI units
   double on_level = 0.0, off_level = 0.0;
   bool inverted = false;
-  int turn = 0;          ///< at an instant: only the violated ones of the first turn change together
-  double largest = 0.0;  ///< magnitude of the value over the run
+  int turn = 0;               ///< at an instant: only the violated ones of the first turn change together
+  bool reads_states = false;  ///< alone, and sources: what ports do at an instant does not reach it before states jump
+  double largest = 0.0;       ///< magnitude of the value over the run
   double at_threshold_since = std::numeric_limits<double>::quiet_NaN();  ///< s: the value has been at one threshold from there on
   bool has_rested = false;  ///< its switch was opened at the present instant because the value stays at the threshold
 
@@ -38,8 +39,8 @@ struct WatchedControl {
 };
 
 [[nodiscard]] std::vector<WatchedControl> controls_of(const model::Network& network, const Descriptor& descriptor);
-/// The same with their turns: gates of logic, which has no states, come first, then its latches, then all that reads or drives parts with states, so that these see as one change
-/// what logic does in several rounds.
+/// The same with their turns: gates of logic, which has no states, come first, then its latches, then what it drives elsewhere, at last all that reads parts with states, so that these see
+/// as one change what logic does in several rounds, and answer it once its outputs stand, be they loaded by a capacitor.
 [[nodiscard]] std::vector<WatchedControl> controls_in_turn(const model::Network& network, const Descriptor& descriptor);
 
 /// Of controls that have passed at an instant those of the first turn.

@@ -280,9 +280,10 @@ bool ExactSegment::has_just_passed(int row) const {
 
 void ExactSegment::note_passing(int guard) {
   passing_ = guard;
+  if (guard >= 0) passed_from_ = on_;
   passed_zero_ = guard >= 0 && guard < descriptor_.first_switch();
   if (!passed_zero_) return;
-  passed_from_ = passed_to_ = on_;
+  passed_to_ = on_;
   passed_to_[static_cast<std::size_t>(guard)] ^= 1;
   descriptor_.hold_blocked(passed_to_);
   const std::vector<double>& y = at(passage_.tau);

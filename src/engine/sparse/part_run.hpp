@@ -177,6 +177,7 @@ class PartRun {
   void watch_inside(double tau);
   [[nodiscard]] double rest_noise(const WatchedControl& control, double unknown) const;
   bool take_gates(double until);
+  [[nodiscard]] bool waits_for_jump(const WatchedControl& control, const Position& on) const;
   bool flip_at_rest(const Point& at, Instant& instant);
   bool settle(double h, Instant& instant, Point& first);
   bool flip(const Point& at, bool by_sources, double time, Instant& instant, Position& on);

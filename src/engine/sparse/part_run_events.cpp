@@ -45,6 +45,7 @@ bool PartRun::flip(const Point& at, bool by_sources, double time, Instant& insta
     const double value = control.value.value(at.z.data(), by_sources ? w_.data() : at.w.data());
     const double margin = control.margin(on, value);
     if (margin >= -control.noise(value, unknown)) continue;
+    if (!by_sources && waits_for_jump(control, on)) continue;
     if (strain != nullptr && std::abs(Form::sum(control.value.z, strain->data())) > most_strain * -margin) continue;
     violated.push_back(&control);
   }
@@ -52,6 +53,14 @@ bool PartRun::flip(const Point& at, bool by_sources, double time, Instant& insta
   for (const WatchedControl* control : violated) on[control->port] ^= 1;
   instant.mode_change |= !violated.empty();
   return !violated.empty();
+}
+
+/// By segments: whether only a jump of states could take a control beyond its threshold, or a motion within the step: all that answers to the states as they are settles first. So a switch that
+/// empties the capacitor which closed it has done so before it opens. (Euler steps take time for that, which would be lost.)
+bool PartRun::waits_for_jump(const WatchedControl& control, const Position& on) const {
+  if (!segment_ || !control.reads_states || !start_memory_.empty()) return false;
+  const double value = control.value.value(point_.z.data(), point_.w.data());
+  return control.margin(on, value) > control.noise(value, largest(point_.z));
 }
 
 /// Switches whose control is at a threshold that counts as passed where it rests there, once each. Impulses make the unknowns of a first step large,
