@@ -281,8 +281,9 @@ bool ExactSegment::has_just_passed(int row) const {
 void ExactSegment::note_passing(int guard) {
   passing_ = guard;
   passed_zero_ = guard >= 0 && guard < descriptor_.first_switch();
+  if (guard >= 0) passed_from_ = on_;
   if (!passed_zero_) return;
-  passed_from_ = passed_to_ = on_;
+  passed_to_ = on_;
   passed_to_[static_cast<std::size_t>(guard)] ^= 1;
   descriptor_.hold_blocked(passed_to_);
   const std::vector<double>& y = at(passage_.tau);
