@@ -37,6 +37,11 @@ bool knows_every_rate(const WideMatrix& rest, const WideMatrix& lambda, Wide lea
   return true;
 }
 
+/// Whether that moves none visibly within `longest`.
+bool hides_no_motion(const WideMatrix& rest, double longest) {
+  return rest.rowwise().norm().maxCoeff() * static_cast<Wide>(longest) <= tolerance::motion_error;
+}
+
 /// ‖V‖‖W‖, W = V⁻¹: what cancels in the modes' coordinates.
 Wide condition(const WideMatrix& v, const WideMatrix& w) { return v.norm() * w.norm(); }
 
@@ -71,7 +76,7 @@ ModalRate rate_of(std::complex<double> value) {
 
 }  // namespace
 
-std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode) {
+std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode, double longest) {
   Places moved, given;
   sort_places(system, mode, moved, given);
   const auto n = static_cast<Eigen::Index>(moved.size());
@@ -84,7 +89,9 @@ std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode) {
   const WideMatrix v = solver.pseudoEigenvectors(), lambda = solver.pseudoEigenvalueMatrix();
   const WideMatrix w = Eigen::PartialPivLU<WideMatrix>(v).inverse();
   if (!(condition(v, w) < largest_condition) && !(condition_in_own_units(m, v, w, mode.n1) < largest_condition)) return nullptr;
-  if (!knows_every_rate(w * (m * v - v * lambda), lambda, tolerance::slowest_rate * m.norm())) return nullptr;
+  const WideMatrix rest = w * (m * v - v * lambda);
+  const bool is_known = knows_every_rate(rest, lambda, tolerance::slowest_rate * m.norm());
+  if (!is_known && !hides_no_motion(rest, longest)) return nullptr;
 
   auto form = std::make_unique<ModalForm>();
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -106,6 +113,11 @@ std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode) {
   for (Eigen::Index k = 0; k < form->weight_sizes.rows(); ++k)
     form->weight_sizes.row(k) = form->weights.middleRows(2 * k, 2).colwise().norm();
   form->absolute_velocities = form->velocities.cwiseAbs();
+  if (!is_known) {
+    WideMatrix unknown = WideMatrix::Zero(n, mode.ny);  // whatever the coordinates are later on
+    unknown(Eigen::all, moved) = rest.cwiseAbs() * w.cwiseAbs();
+    form->velocity_errors = in_pairs(unknown, form->rates, 1);
+  }
   form->drift = Matrix::Zero(guards.rows(), mode.ny);
   const Matrix drift = (given_guards * given_rates).cast<double>();
   for (std::size_t k = 0; k < given.size(); ++k) form->drift.col(given[k]) = drift.col(static_cast<Eigen::Index>(k));

@@ -28,6 +28,7 @@ struct ModalForm {
   std::vector<ModalRate> rates;
   /// Real and imaginary parts in rows (columns) 2k and 2k + 1.
   Matrix velocities, absolute_velocities;  ///< z' = velocities·y (2·rates × ny)
+  Matrix velocity_errors;                  ///< errors of z' are at most velocity_errors·|y|; empty: its rounding
   Matrix pushes;                           ///< f' = pushes·y (2·rates × ny)
   Matrix weights;                          ///< p_k of each guard (2·rates × guards)
   Matrix weight_sizes;                     ///< |p_k| (rates × guards)
@@ -38,7 +39,7 @@ struct ModalForm {
   mutable int segments_at_once = 0;
 };
 
-/// Null if the eigenvectors are too close to parallel, or too many, for it to be useful. Computed in extended precision.
-[[nodiscard]] std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode);
+/// Null if the eigenvectors are too close to parallel, or too many, for it to be useful. Computed in extended precision. `longest`: it serves for no longer, s; what is that slow need not be told from rest.
+[[nodiscard]] std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode, double longest);
 
 }  // namespace pwlsim::model

@@ -128,6 +128,9 @@ inline constexpr double sharp_decay = 1e-9;
 /// Of: the rate of a row of V⁻¹(M V − V Λ).
 /// Why: rates are followed over up to 10^4 of their periods: six digits of a root are left.
 inline constexpr long double rate_error = 1e-10L;
+/// Of: a state, within the time for which eigenvectors serve.
+/// Why: as `rate_error` over 10^4 periods: what they do not know of a motion counts as its rounding.
+inline constexpr long double motion_error = 1e-6L;
 /// Of: ‖M‖.
 /// Why: a slower rate is the rounding error of zero, and is not taken as the smallest rate.
 inline constexpr long double slowest_rate = 1e-14L;

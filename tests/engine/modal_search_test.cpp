@@ -95,7 +95,7 @@ struct Tally {
 };
 
 void compare(const Scene& scene, double h, Tally& tally) {
-  const auto form = model::modal_form(scene.system, *scene.mode);
+  const auto form = model::modal_form(scene.system, *scene.mode, INFINITY);
   if (!form) {
     ++tally.without_form;
     return;
@@ -187,7 +187,7 @@ TEST_CASE("roots by eigenvectors: a fast transient beside a slow guard costs no 
   Vector y = Vector::Zero(size);
   y[0] = 1.0;
   begin_sources(*system.exosystem, y.data() + 1);
-  const auto form = model::modal_form(system, *mode);
+  const auto form = model::modal_form(system, *mode, INFINITY);
   REQUIRE(form);
   const std::vector<ModalSearch::Guard> guards{{0, linalg::row_times(mode->guards, 0, y.data()), noise, false}};
   ModalSearch search;
@@ -206,7 +206,7 @@ TEST_CASE("how far there is to go does not count before an event", "[unit]") {
   c << 1.0, 0.0, 0.5;
   const model::System system = test::handmade(a, Matrix::Zero(3, 1), c, Matrix::Zero(1, 1));
   const auto mode = model::build_mode(system, model::IndexSet(1));
-  const auto form = model::modal_form(system, *mode);
+  const auto form = model::modal_form(system, *mode, INFINITY);
   REQUIRE(form);
   const Vector y = (Vector(3) << 1.0, 0.0, 1.0).finished();
   const std::vector<ModalSearch::Guard> guards{{0, 1.5, noise, false}};
@@ -236,7 +236,7 @@ TEST_CASE("a root beside which Chebyshev's iteration stands still", "[unit]") {
     c << k.a, k.b, -k.c;
     const model::System system = test::handmade(a, Matrix::Zero(3, 1), c, Matrix::Zero(1, 1));
     const auto mode = model::build_mode(system, model::IndexSet(1));
-    const auto form = model::modal_form(system, *mode);
+    const auto form = model::modal_form(system, *mode, INFINITY);
     REQUIRE(form);
     const Vector y = Vector::Ones(3);
     const std::vector<ModalSearch::Guard> guards{{0, k.a + k.b - k.c, noise, false}};
@@ -256,7 +256,29 @@ TEST_CASE("eigenvectors that are one have no modal form", "[unit]") {
   Matrix a(2, 2);
   a << -1.0, 1.0, 0.0, -1.0;
   const model::System system = test::handmade(a, Matrix::Zero(2, 1), Matrix::Ones(1, 2), Matrix::Zero(1, 1));
-  CHECK_FALSE(model::modal_form(system, *model::build_mode(system, model::IndexSet(1))));
+  CHECK_FALSE(model::modal_form(system, *model::build_mode(system, model::IndexSet(1)), INFINITY));
+}
+
+// x' = T Λ T x, T a reflection: rounding of 10¹² 1/s is more than 10⁻¹⁰ of 300 1/s, but moves nothing in a microsecond. The guard e^{−300 τ} − (1 − 10⁻⁴) has its root at −ln(1 − 10⁻⁴)/300; a rate known to
+// 10⁻⁴ 1/s, the rounding of the matrix, tells it to 10⁻⁶.
+TEST_CASE("rates that rounding of a far larger one hides have a modal form for as long as that moves nothing", "[unit]") {
+  constexpr double fast = 1e12, slow = 300.0, longest = 1e-6, fallen = 1e-4, agreement = 1e-5;
+  const Eigen::Vector3d v = Eigen::Vector3d(1.0, 2.0, 2.0) / 3.0;
+  const Eigen::Matrix3d t = Eigen::Matrix3d::Identity() - 2.0 * v * v.transpose();
+  const Matrix a = t * Eigen::Vector3d(-fast, -slow, 0.0).asDiagonal() * t;
+  const Matrix c = (t * Eigen::Vector3d(0.0, 1.0, fallen - 1.0)).transpose();
+  const model::System system = test::handmade(a, Matrix::Zero(3, 1), c, Matrix::Zero(1, 1));
+  const auto mode = model::build_mode(system, model::IndexSet(1));
+  CHECK_FALSE(model::modal_form(system, *mode, INFINITY));
+  const auto form = model::modal_form(system, *mode, longest);
+  REQUIRE(form);
+  CHECK(form->velocity_errors.maxCoeff() > 0.0);
+  const Vector y = t * Eigen::Vector3d::Ones();
+  ModalSearch search;
+  const std::vector<ModalSearch::Guard> guards{{0, fallen, noise, false}};
+  const ModalSearch::Found found = search.search(*form, guards, y.data(), longest);
+  REQUIRE(found.verdict == ModalSearch::Verdict::root);
+  CHECK(found.at == Approx(-std::log1p(-fallen) / slow).epsilon(agreement));
 }
 
 // x' = −x + unit·sin ωt: in whatever unit the sine is written, its eigenvectors are as far from the state's own.
@@ -269,7 +291,7 @@ TEST_CASE("the unit of a source does not decide whether there is a modal form", 
     const std::vector<model::SourceFunction> sources{model::Sin{.amplitude = 1.0, .frequency = frequency}};
     const model::System system = test::handmade(a, Matrix::Zero(3, 1), c, Matrix::Zero(1, 1), sources);
     REQUIRE(system.n == 1);
-    CHECK(model::modal_form(system, *model::build_mode(system, model::IndexSet(1))));
+    CHECK(model::modal_form(system, *model::build_mode(system, model::IndexSet(1)), INFINITY));
   }
 }
 

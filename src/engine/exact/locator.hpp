@@ -38,6 +38,7 @@ struct Segment {
   const model::Mode* mode = nullptr;
   double anchor = 0.0;                       ///< absolute time, s
   double late = 0.0;                         ///< rounding error of the anchor
+  double longest = INFINITY;                 ///< s: its mode serves for no longer, and for no other
   std::vector<double> y0;                    ///< state at the anchor
   std::vector<int> rows;                     ///< guard rows to watch
   std::vector<model::Departure> departures;  ///< of each at the anchor

@@ -23,7 +23,7 @@ bool Locator::is_worth_eigenvectors(const Segment& s) {
   const model::Mode& m = *s.mode;
   const bool is_long = s.intervals >= intervals_before_modal_form;
   if (!m.modal_form_known && is_long) {
-    m.modal_form = model::modal_form(*s.system, m);
+    m.modal_form = model::modal_form(*s.system, m, s.longest);
     m.modal_form_known = true;
   }
   if (!m.modal_form) return false;

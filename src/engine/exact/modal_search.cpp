@@ -92,7 +92,7 @@ void ModalSearch::evaluate(double tau, Exponents* out) const {
 void ModalSearch::make_room(std::size_t guards) {
   const auto rows = static_cast<std::size_t>(form_->velocities.rows() + form_->velocities.cols());
   if (z_.size() < rows) {
-    for (auto* v : {&z_, &push_, &size_}) v->resize(rows);
+    for (auto* v : {&z_, &push_, &size_, &error_}) v->resize(rows);
   }
   if (points_.size() < count_ * (most_search_depth + 3)) {
     points_.resize(count_ * (most_search_depth + 3));
@@ -113,6 +113,8 @@ void ModalSearch::begin(std::span<const Guard> guards, const double* y) {
   linalg::multiply(form.velocities, y, z_.data());
   linalg::multiply(form.pushes, y, push_.data());
   linalg::multiply(form.absolute_velocities, magnitudes, size_.data());
+  const bool has_errors = form.velocity_errors.rows() > 0;
+  if (has_errors) linalg::multiply(form.velocity_errors, magnitudes, error_.data());
   for (std::size_t g = 0; g < guards.size(); ++g) {
     drift_[g] = linalg::row_times(form.drift, guards[g].row, y);
     const double* weights = &form.weights(0, guards[g].row);
@@ -133,6 +135,7 @@ void ModalSearch::begin(std::span<const Guard> guards, const double* y) {
         c.bend_size = std::sqrt(std::norm(c.bend));
       }
       c.noise = tolerance::coordinate * weight_sizes[k] * (size_[2 * k] + size_[2 * k + 1]);
+      if (has_errors) c.noise += weight_sizes[k] * (error_[2 * k] + error_[2 * k + 1]);
     }
   }
 }

@@ -91,6 +91,7 @@ class ModalSearch {
   std::span<const Guard> guards_;
   std::size_t count_ = 0;                   ///< of rates
   std::vector<double> z_, push_, size_;     ///< z', f', and magnitudes of the terms of z'
+  std::vector<double> error_;               ///< of z', where it is more than rounding
   std::vector<Coefficients> coefficients_;  ///< guards × rates
   std::vector<double> drift_;               ///< of guards
   std::vector<Exponents> points_;           ///< at the ends of the interval that is halved, and where intervals of each depth were halved

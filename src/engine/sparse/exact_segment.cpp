@@ -431,10 +431,10 @@ const ExactSegment::Passage& ExactSegment::locate(double end) {
   return passage_;
 }
 
-const std::vector<double>& ExactSegment::at(double tau) {
-  y_.assign(segment_.y0.begin(), segment_.y0.end());
+const std::vector<double>& ExactSegment::later(const std::vector<double>& y, double length) {
+  y_.assign(y.begin(), y.end());
   work_.resize(2 * y_.size());
-  space_.flow().apply_once(std::max(tau, 0.0), y_.data(), work_.data());
+  space_.flow().apply_once(length, y_.data(), work_.data());
   return y_;
 }
 

@@ -115,7 +115,9 @@ class ExactSegment {
   [[nodiscard]] double size() const { return size_; }
 
   /// y at τ, and what is made of it.
-  [[nodiscard]] const std::vector<double>& at(double tau);
+  [[nodiscard]] const std::vector<double>& at(double tau) { return later(segment_.y0, std::max(tau, 0.0)); }
+  /// The same where it was y so long before, s.
+  [[nodiscard]] const std::vector<double>& later(const std::vector<double>& y, double length);
   void unknowns(const std::vector<double>& y, std::vector<double>& z) const { space_.unknowns(y.data(), z); }
   void rates(const std::vector<double>& y, std::vector<double>& k, std::vector<double>& sizes) { space_.rates(y.data(), k, sizes); }
   /// The rows of signals, without their sources, in `values`.

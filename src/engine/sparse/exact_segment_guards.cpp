@@ -282,6 +282,7 @@ void ExactSegment::note_passing(int guard) {
   passing_ = guard;
   if (guard >= 0) passed_from_ = on_;
   passed_zero_ = guard >= 0 && guard < descriptor_.first_switch();
+  if (guard >= 0) passed_from_ = on_;
   if (!passed_zero_) return;
   passed_to_ = on_;
   passed_to_[static_cast<std::size_t>(guard)] ^= 1;
@@ -302,6 +303,7 @@ void ExactSegment::judge_start() {
   segment_.system = &system_;
   segment_.mode = mode_.get();
   segment_.anchor = start_;
+  segment_.longest = length_;
   segment_.y0.assign(space_.first().begin(), space_.first().end());
   segment_.y = segment_.y0;
   segment_.tau = segment_.certified = segment_.step = 0.0;

@@ -295,6 +295,8 @@ class PartRun {
   std::array<Attempts, 2> rejecting_early_;  ///< of openings, at other instants and where a guard passes
   Position position_ahead_;                  ///< where the passage at hand leads
   double segment_tau_ = 0.0;                 ///< so far
+  double piece_length_ = 0.0;                ///< of the last piece on which probes are polynomials, s
+  Attempts growing_pieces_;                  ///< of pieces, in a segment
   std::unique_ptr<TieSelector> ties_;        ///< likewise
   int last_guard_ = -1;                      ///< that ended the segment before
   int passing_ = -1;                         ///< the same, until the position behind it is found

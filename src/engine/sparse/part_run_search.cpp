@@ -151,11 +151,13 @@ bool PartRun::settle_ties(const std::vector<double>& z, const Position& on, int 
 }
 
 /// Ports whose guards depart downwards change sides, a few rounds: diodes first, as what a control reads where they are on a wrong side says nothing, and a switch that it would open,
-/// a thyristor's latch, may stay open. Of controls those whose turn comes first.
+/// a thyristor's latch, may stay open. Of controls those whose turn comes first. Where states jump what controls read is no more right: a current that a diode would take over is zero there.
 bool PartRun::flip_negative(Position on, int rounds) {
   std::vector<Position> seen{on};
   for (int round = 0; round < rounds; ++round) {
-    for (const std::size_t port : first_negative()) on[port] ^= 1;
+    const std::vector<std::size_t> next = first_negative();
+    if (next.front() >= static_cast<std::size_t>(descriptor_.first_switch()) && !is_continuous()) return false;
+    for (const std::size_t port : next) on[port] ^= 1;
     descriptor_.hold_blocked(on);
     if (std::find(seen.begin(), seen.end(), on) != seen.end()) return false;
     seen.push_back(on);

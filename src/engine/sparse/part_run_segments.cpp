@@ -238,26 +238,30 @@ bool PartRun::passes_too(std::size_t control, const std::vector<double>& y, cons
   return std::abs(value) <= fall * break_tolerance_ && fall * request_.stop > controls_[control].noise(value, largest(point_.z));
 }
 
-/// Where from segment_tau_ on the probes are polynomials of degree 15, to rounding.
+/// Where from segment_tau_ on the probes are polynomials of degree 15, to rounding. In a segment of many pieces the next is sought at the length of the last, and at twice that now and then.
 double PartRun::resolved_until(double tau) {
-  double end = tau;
+  const bool is_first = segment_tau_ == 0.0, grows = is_first || growing_pieces_.is_due();
+  const double longest = is_first ? tau : (grows ? 2.0 : 1.0) * piece_length_;
+  double end = std::min(tau, segment_tau_ + longest);
   while (end - segment_tau_ > tolerance::shortest_piece * tau && !is_resolved(segment_tau_, end))
     end = segment_tau_ + 0.5 * (end - segment_tau_);
+  if (grows) growing_pieces_.note(is_first || end - segment_tau_ > piece_length_);
+  piece_length_ = end - segment_tau_;
   return end;
 }
 
 bool PartRun::is_resolved(double from, double to) {
   const auto& point = linalg::gauss_legendre().point;
-  std::vector<double> values(signals_.size() * linalg::legendre_points), first(signals_.size());
+  std::vector<double> values(signals_.size() * linalg::legendre_points);
+  const std::vector<double> begin = segment_->at(from);
   for (std::size_t i = 0; i < linalg::legendre_points; ++i) {
-    const std::vector<double>& y = segment_->at(from + 0.5 * (1.0 + point[i]) * (to - from));
+    const std::vector<double>& y = segment_->later(begin, 0.5 * (1.0 + point[i]) * (to - from));
     for (std::size_t k = 0; k < signals_.size(); ++k) values[k * linalg::legendre_points + i] = segment_->signal(k, y);
   }
-  const std::vector<double>& y = segment_->at(from);
   for (std::size_t k = 0; k < signals_.size(); ++k) {
     const linalg::LegendreSeries series(&values[k * linalg::legendre_points]);
-    const double start = segment_->signal(k, y);
-    double size = std::max(signal_scale_[k], segment_->signal_terms(k, y)), last = 0.0;
+    const double start = segment_->signal(k, begin);
+    double size = std::max(signal_scale_[k], segment_->signal_terms(k, begin)), last = 0.0;
     // A signal that begins far from what drives it is nothing but rounding at first.
     const double noise = tolerance::signal_rounding * signal_size(static_cast<int>(k));
     for (const double c : series.coefficients()) size = std::max(size, std::abs(c));
