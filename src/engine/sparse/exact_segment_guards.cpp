@@ -282,7 +282,6 @@ void ExactSegment::note_passing(int guard) {
   passing_ = guard;
   if (guard >= 0) passed_from_ = on_;
   passed_zero_ = guard >= 0 && guard < descriptor_.first_switch();
-  if (guard >= 0) passed_from_ = on_;
   if (!passed_zero_) return;
   passed_to_ = on_;
   passed_to_[static_cast<std::size_t>(guard)] ^= 1;
