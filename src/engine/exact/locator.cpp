@@ -419,6 +419,11 @@ void Locator::march(Segment& s, double end, Located& located) {
       std::max(tolerance::smallest_interval * end, s.is_brief ? 0.0 : 4.0 * tolerance::unit_rounding * (s.anchor + end));
   int series_intervals = 0;
   while (s.certified < end) {
+    if (is_interrupted()) {
+      linalg::copy(s.y.data(), s.mode->ny, event_.data());
+      located = {true, s.tau, -1, event_.data()};
+      return;
+    }
     derive(s);
     if (!s.decays.empty() && !decays_agree_) {
       leave_decays(s);

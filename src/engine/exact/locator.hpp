@@ -23,6 +23,7 @@
 /// A segment that begins with fast decays (model::Decays) is searched by the sum of the slow motion and the decays (locator_decays.cpp), then as
 /// above. docs/developer/performance.md, "Which rung decides", counts how often each of them does.
 
+#include <atomic>
 #include <cmath>
 #include <vector>
 
@@ -70,6 +71,9 @@ class Locator {
  public:
   /// First crossing in (certified, end], end counted from the anchor; without one the segment is certified up to `end`.
   void locate(Segment& segment, double end, Located& located);
+
+  /// From now on a search ends undecided once that is not zero. May be null.
+  void heed(const std::atomic<int>* interrupt) { interrupt_ = interrupt; }
 
   [[nodiscard]] std::uint64_t intervals() const { return intervals_; }
   /// Segments whose guards were sampled because the bounds did not decide.
@@ -164,6 +168,7 @@ class Locator {
   void straight_lines(Segment& segment, double end, Located& located);
   void accept(Segment& segment, double h, double end);
   void march(Segment& segment, double end, Located& located);
+  [[nodiscard]] bool is_interrupted() const { return interrupt_ != nullptr && interrupt_->load(std::memory_order_relaxed) != 0; }
   static bool is_worth_eigenvectors(const Segment& segment);
   enum class Progress { none, some, to_end };
   static Progress ask_later(Segment& segment, int turns);
@@ -227,6 +232,7 @@ class Locator {
   ModalSearch modal_search_;
   std::vector<ModalSearch::Guard> modal_guards_;
   std::uint64_t intervals_ = 0, sampled_ = 0;
+  const std::atomic<int>* interrupt_ = nullptr;
 };
 
 }  // namespace pwlsim::engine

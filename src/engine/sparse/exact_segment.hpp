@@ -150,6 +150,9 @@ class ExactSegment {
   /// Whether the last one was.
   [[nodiscard]] bool is_rejected() const { return is_rejected_; }
 
+  /// From now on a search for an event ends undecided once that is not zero. May be null.
+  void heed(const std::atomic<int>* interrupt) { locator_.heed(interrupt); }
+
   /// From now on the ladder of 1/γ is so many times as high. Results must not depend on it.
   void scale_shifts(double factor) { shift_factor_ = factor; }
 
