@@ -44,7 +44,8 @@ struct Segment {
   std::vector<int> rows;                     ///< guard rows to watch
   std::vector<model::Departure> departures;  ///< of each at the anchor
 
-  bool is_brief = false;  ///< it lasts as long as fast decays, and may be shorter than the rounding of the anchor
+  bool passes_rest = false;  ///< guards that are rounding at both ends of an interval do not pass in between
+  bool is_brief = false;     ///< it lasts as long as fast decays, and may be shorter than the rounding of the anchor
   /// Of such a one, ψ_k at the anchor (model::Decays), then what rounding may add to each; empty: not known yet, or there are none.
   std::vector<double> decays;
   bool decays_fail = false;  ///< they do not describe the guards
@@ -198,6 +199,8 @@ class Locator {
   [[nodiscard]] double noise_of(const Segment& segment, int row) const;
   [[nodiscard]] double noise_at_rest(const Segment& segment, std::size_t i) const;
   [[nodiscard]] bool is_at_rest(const Segment& s, std::size_t i) const;
+  [[nodiscard]] bool is_within_rounding(const Segment& s, std::size_t i) const;
+  [[nodiscard]] bool rest_at(const Segment& s, const double* y) const;
   bool sample_interval(Segment& segment, double h, double end, Located& located);
 
   static constexpr int series_order = 10;  ///< of the Taylor models
@@ -231,6 +234,8 @@ class Locator {
   std::vector<double> slow_slope_, slow_bend_;  ///< of the slow motion at the interval's start
   ModalSearch modal_search_;
   std::vector<ModalSearch::Guard> modal_guards_;
+  std::vector<std::size_t> modal_numbers_;  ///< of these among the segment's rows
+  std::vector<std::size_t> resting_;        ///< the others
   std::uint64_t intervals_ = 0, sampled_ = 0;
   const std::atomic<int>* interrupt_ = nullptr;
 };

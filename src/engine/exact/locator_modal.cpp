@@ -1,6 +1,7 @@
 /// Events by eigenvectors (model/modal_form.hpp), in modes whose segments are long in their own time.
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/exact/locator.hpp"
 
@@ -38,9 +39,25 @@ Locator::Progress Locator::ask_later(Segment& s, int turns) {
   return Progress::none;
 }
 
+/// Whether a guard that is not about to leave zero is nothing but rounding at the interval's start.
+bool Locator::is_within_rounding(const Segment& s, std::size_t i) const {
+  const int order = s.departures[i].order;
+  return (s.tau > 0.0 || order < 0) && std::abs(g_[i]) <= noise_at_rest(s, i);
+}
+
+/// Whether those of them that are left out of the search are so at y, too.
+bool Locator::rest_at(const Segment& s, const double* y) const {
+  return std::all_of(resting_.begin(), resting_.end(),
+                     [&](std::size_t i) { return std::abs(linalg::row_times(s.mode->guards, s.rows[i], y)) <= noise_at_rest(s, i); });
+}
+
 /// The guards are positive to the end, or some way.
 Locator::Progress Locator::pass_without_root(Segment& s, double end, double shortest, const ModalSearch::Found& found, std::uint64_t used) {
   const bool is_whole = found.verdict == ModalSearch::Verdict::positive;
+  if (is_whole && !resting_.empty()) {
+    state_at(s, end - s.tau, ye_.data());
+    if (!rest_at(s, ye_.data())) return ask_later(s, turns_without);
+  }
   if (is_whole && used <= few_intervals) {
     s.certified = end;
     return Progress::to_end;
@@ -49,6 +66,7 @@ Locator::Progress Locator::pass_without_root(Segment& s, double end, double shor
   if (step < shortest) return ask_later(s, turns_without);
   s.intervals += used;
   state_at(s, step, ye_.data());
+  if (!is_whole && !rest_at(s, ye_.data())) return ask_later(s, turns_without);
   const bool is_clear = std::all_of(modal_guards_.begin(), modal_guards_.end(), [&](const ModalSearch::Guard& guard) {
     return linalg::row_times(s.mode->guards, guard.row, ye_.data()) > leaving_zero * guard.noise;
   });
@@ -64,10 +82,17 @@ Locator::Progress Locator::search_modal_form(Segment& s, double end, double shor
   s.turns_without_modal_form = 0;
   if (!is_worth_eigenvectors(s)) return Progress::none;
   modal_guards_.clear();
+  modal_numbers_.clear();
+  resting_.clear();
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const int order = s.tau == 0.0 ? s.departures[i].order : 0;
+    if (s.passes_rest && is_within_rounding(s, i)) {
+      resting_.push_back(i);
+      continue;
+    }
     if (order > 1 || is_at_rest(s, i)) return ask_later(s, turns_without);
     modal_guards_.push_back({s.rows[i], g_[i], noise_of(s, s.rows[i]), order == 1});
+    modal_numbers_.push_back(i);
   }
   const std::uint64_t before = modal_search_.intervals();
   const ModalSearch::Found found = modal_search_.search(*s.mode->modal_form, modal_guards_, s.y.data(), end - s.tau);
@@ -76,7 +101,9 @@ Locator::Progress Locator::search_modal_form(Segment& s, double end, double shor
   if (found.verdict != ModalSearch::Verdict::root) return pass_without_root(s, end, shortest, found, used);
   ++s.intervals;
   state_at(s, found.at, event_.data());
-  end_at_event(s, found.guard, polish_or_search(s, found.guard, found.lower, found.upper, found.at), end, located);
+  if (!rest_at(s, event_.data())) return ask_later(s, turns_without);
+  const std::size_t number = modal_numbers_[found.guard];
+  end_at_event(s, number, polish_or_search(s, number, found.lower, found.upper, found.at), end, located);
   return Progress::to_end;
 }
 

@@ -303,6 +303,7 @@ void ExactSegment::judge_start() {
   segment_.mode = mode_.get();
   segment_.anchor = start_;
   segment_.longest = length_;
+  segment_.passes_rest = true;
   segment_.y0.assign(space_.first().begin(), space_.first().end());
   segment_.y = segment_.y0;
   segment_.tau = segment_.certified = segment_.step = 0.0;
