@@ -1,5 +1,5 @@
+#include <atomic>
 #include <catch2/catch.hpp>
-
 #include <cmath>
 
 #include "engine/exact/locator.hpp"
@@ -39,6 +39,14 @@ TEST_CASE("decays that are large beside the slow motion describe a segment to it
   segment.is_brief = true;
   Located located;
   Locator locator;
+  const std::atomic<int> signal{1};
+  locator.heed(&signal);
+  locator.locate(segment, 40.0 * delta, located);
+  CHECK(located.found);  // undecided, where the search stood
+  CHECK(located.row == -1);
+  CHECK(located.tau == 0.0);
+  CHECK(segment.certified == 0.0);
+  locator.heed(nullptr);
   locator.locate(segment, 40.0 * delta, located);
   CHECK_FALSE(located.found);  // u = −x₂/δ stays positive
   CHECK_FALSE(segment.decays_fail);
