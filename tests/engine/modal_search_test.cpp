@@ -262,7 +262,7 @@ TEST_CASE("eigenvectors that are one have no modal form", "[unit]") {
 // x' = T Λ T x, T a reflection: rounding of 10¹² 1/s is more than 10⁻¹⁰ of 300 1/s, but moves nothing in a microsecond. The guard e^{−300 τ} − (1 − 10⁻⁴) has its root at −ln(1 − 10⁻⁴)/300; a rate known to
 // 10⁻⁴ 1/s, the rounding of the matrix, tells it to 10⁻⁶.
 TEST_CASE("rates that rounding of a far larger one hides have a modal form for as long as that moves nothing", "[unit]") {
-  constexpr double fast = 1e12, slow = 300.0, longest = 1e-6, fallen = 1e-4, agreement = 1e-5;
+  constexpr double fast = 1e12, slow = 300.0, longest = 1e-6, fallen = 1e-4, known = 1e-5;
   const Eigen::Vector3d v = Eigen::Vector3d(1.0, 2.0, 2.0) / 3.0;
   const Eigen::Matrix3d t = Eigen::Matrix3d::Identity() - 2.0 * v * v.transpose();
   const Matrix a = t * Eigen::Vector3d(-fast, -slow, 0.0).asDiagonal() * t;
@@ -278,7 +278,7 @@ TEST_CASE("rates that rounding of a far larger one hides have a modal form for a
   const std::vector<ModalSearch::Guard> guards{{0, fallen, noise, false}};
   const ModalSearch::Found found = search.search(*form, guards, y.data(), longest);
   REQUIRE(found.verdict == ModalSearch::Verdict::root);
-  CHECK(found.at == Approx(-std::log1p(-fallen) / slow).epsilon(agreement));
+  CHECK(found.at == Approx(-std::log1p(-fallen) / slow).epsilon(known));
 }
 
 // x' = −x + unit·sin ωt: in whatever unit the sine is written, its eigenvectors are as far from the state's own.
