@@ -5,6 +5,7 @@
 #include <functional>
 #include <queue>
 #include <tuple>
+#include <utility>
 
 namespace pwlsim::linalg {
 
@@ -20,6 +21,8 @@ class CliqueElimination {
   [[nodiscard]] std::optional<std::vector<int>> order();
 
  private:
+  template <class Use>
+  void each_neighbour(int column, const Use& use);
   void eliminate(int column);
   void measure(int column);
 
@@ -48,34 +51,28 @@ CliqueElimination::CliqueElimination(const SparsePattern& pattern)
     }
 }
 
+template <class Use>
+void CliqueElimination::each_neighbour(int column, const Use& use) {
+  mark_[index(column)] = ++present_;
+  for (const int row : rows_of_[index(column)])
+    for (const int other : columns_of_[index(row)])
+      if (std::exchange(mark_[index(other)], present_) != present_) use(other);
+}
+
 /// Counts the neighbours of a column.
 void CliqueElimination::measure(int column) {
-  mark_[index(column)] = ++present_;
   int found = 0;
-  for (const int row : rows_of_[index(column)]) {
-    work_ += columns_of_[index(row)].size();
-    for (const int other : columns_of_[index(row)]) {
-      if (mark_[index(other)] == present_) continue;
-      mark_[index(other)] = present_;
-      ++found;
-    }
-  }
+  each_neighbour(column, [&](int) { ++found; });
+  for (const int row : rows_of_[index(column)]) work_ += columns_of_[index(row)].size();
   neighbours_[index(column)] = found;
   candidates_.emplace(found + depth_[index(column)], depth_[index(column)], column);
 }
 
 void CliqueElimination::eliminate(int column) {
   is_eliminated_[index(column)] = 1;
-  mark_[index(column)] = ++present_;
   std::vector<int> clique;
-  for (const int row : rows_of_[index(column)]) {
-    for (const int other : columns_of_[index(row)]) {
-      if (mark_[index(other)] == present_) continue;
-      mark_[index(other)] = present_;
-      clique.push_back(other);
-    }
-    columns_of_[index(row)].clear();
-  }
+  each_neighbour(column, [&](int other) { clique.push_back(other); });
+  for (const int row : rows_of_[index(column)]) columns_of_[index(row)].clear();
   if (clique.empty()) return;
   const int row = rows_of_[index(column)].front();
   columns_of_[index(row)] = std::move(clique);

@@ -9,18 +9,11 @@
 
 #include "measure/measured.hpp"
 
+using pwlsim::test::exact;
 using pwlsim::test::measure_deck;
 using pwlsim::test::Measured;
+using pwlsim::test::near;
 using std::numbers::pi;
-
-namespace {
-
-/// Of the value at hand.
-constexpr double exact = 1e-12;
-
-Approx near(double value, double tolerance = exact) { return Approx(value).epsilon(tolerance).margin(0.0); }
-
-}  // namespace
 
 // A part that its points did not see change, twice in a row, counted as resolved, whatever was between an end and its first point.
 TEST_CASE("a condition changes soon after a piece begins", "[regression]") {

@@ -2,6 +2,7 @@
 /// A deck measured in process.
 
 #include <atomic>
+#include <catch2/catch.hpp>
 #include <map>
 #include <string>
 
@@ -17,6 +18,11 @@ struct Measured {
 
   [[nodiscard]] const measure::Result& result(const std::string& name) const;
 };
+
+/// Of the value at hand.
+constexpr double exact = 1e-12;
+
+[[nodiscard]] inline Approx near(double value, double tolerance = exact) { return Approx(value).epsilon(tolerance).margin(0.0); }
 
 /// On the exact engine, or with `reltol` > 0 on the sparse one.
 [[nodiscard]] Measured measure_deck(const std::string& text, double reltol = 0.0, const std::atomic<int>* interrupt = nullptr);

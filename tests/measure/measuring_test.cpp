@@ -6,16 +6,13 @@
 
 #include "measure/measured.hpp"
 
+using pwlsim::test::exact;
 using pwlsim::test::measure_deck;
 using pwlsim::test::Measured;
+using pwlsim::test::near;
 using std::numbers::pi;
 
 namespace {
-
-/// Of the value at hand.
-constexpr double exact = 1e-12;
-
-Approx near(double value, double tolerance = exact) { return Approx(value).epsilon(tolerance).margin(0.0); }
 
 /// v(out) = 1 − e^{−t/τ}, τ = 1 ms.
 const std::string charging =
@@ -447,17 +444,20 @@ TEST_CASE("a circuit with states of very different sizes is measured", "[unit]")
 TEST_CASE("an interrupted run gives no value to what it has not measured", "[unit]") {
   const std::atomic<int> interrupt = 1;
   const Measured m = measure_deck(
-      "ring\nV1 in 0 SIN(0 1 1meg)\nR1 in 0 1\n.tran 1 20\n.save v(in)\n.meas tran whole INTEG v(in)\n.meas tran late INTEG v(in) FROM=11 TO=12\n", 0.0,
-      &interrupt);
+      "ring\nV1 in 0 SIN(0 1 1meg)\nR1 in 0 1\n.tran 1 20\n.save v(in)\n.meas tran whole INTEG v(in)\n.meas tran late INTEG v(in) FROM=11 "
+      "TO=12\n",
+      0.0, &interrupt);
   CHECK(m.value.empty());
 }
 
 // v(n1) is rounding after 10⁻¹⁵ s, somewhat more of it than eight units, and asked for pieces of picoseconds. Integrals are additive.
 TEST_CASE("a signal that is rounding beside a very fast time constant does not hold the measurements up", "[unit]") {
   const Measured m = measure_deck(
-      "rounding\nV1 out n1 SIN(117 35.1 653m) Rser=105\nR2 a 0 4.93\nR3 b a 9.3\nC4 out 0 336m\nC5 in out 327m\nV6 in n1 EXP(58.7 17 0.418 2.03 2.29 4.9)\n"
+      "rounding\nV1 out n1 SIN(117 35.1 653m) Rser=105\nR2 a 0 4.93\nR3 b a 9.3\nC4 out 0 336m\nC5 in out 327m\nV6 in n1 EXP(58.7 17 0.418 "
+      "2.03 2.29 4.9)\n"
       "R7 n1 a 8.2e-15\n.model mPJF8 PJF( Beta=1m Is=1e-14 )\nJ9 a b in mPJF8\nL10 a in L=0.62\n.model mVSWITCH11 VSWITCH( Von=-76.6 )\n"
-      "S12 in out 0 a mVSWITCH11\n.model mD13 D( )\nD14 a 0 mD13 m=2\nR15 0 n1 29.4\n.model mNPN16 NPN IS=1e-15 BR=2 RC=1 RE=0.1 VAF=100 I0=1m\n"
+      "S12 in out 0 a mVSWITCH11\n.model mD13 D( )\nD14 a 0 mD13 m=2\nR15 0 n1 29.4\n.model mNPN16 NPN IS=1e-15 BR=2 RC=1 RE=0.1 VAF=100 "
+      "I0=1m\n"
       "Q17 0 0 a mNPN16\nR19 a o18 196\nH20 o18 0 D14 -1.39\n.tran 368m 7.8 uic\n.save v(in)\n"
       ".meas tran passes TRIG V(n1)=-62.7 TARG I(C4)=141 RISE=7\n.meas tran whole INTEG time*v(in)\n"
       ".meas tran first INTEG time*v(in) TO=3.9\n.meas tran second INTEG time*v(in) FROM=3.9\n");
