@@ -2,6 +2,8 @@
 /// Dense vectors and matrices, and the few operations that the small systems of a mode need in inner loops.
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
 #include <vector>
 
 namespace pwlsim::linalg {
@@ -33,6 +35,17 @@ inline double row_times(const Matrix& m, Eigen::Index i, const double* x) {
   double sum = 0.0;
   for (Eigen::Index j = 0; j < m.cols(); ++j, a += rows) sum += *a * x[j];
   return sum;
+}
+
+/// The same for `count` vectors, the next one `apart` behind each.
+template <std::size_t count>
+std::array<double, count> row_times_each(const Matrix& m, Eigen::Index i, const double* x, std::size_t apart) {
+  const Eigen::Index rows = m.rows();
+  const double* a = m.data() + i;
+  std::array<double, count> sums{};
+  for (Eigen::Index j = 0; j < m.cols(); ++j, a += rows, ++x)
+    for (std::size_t k = 0; k < count; ++k) sums[k] += *a * x[k * apart];
+  return sums;
 }
 
 /// The sum of the magnitudes of its terms.

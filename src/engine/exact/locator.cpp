@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "engine/exact/tolerances.hpp"
 
@@ -83,12 +84,12 @@ void Locator::prepare(Segment& s) {
   const std::size_t rows = s.rows.size();
   if (ny > size_) {
     size_ = ny;
-    for (auto* v : {&ye_, &de_, &at_, &a1_, &a2_, &event_}) v->resize(ny);
+    for (auto* v : {&ye_, &at_, &a1_, &a2_, &event_}) v->resize(ny);
     work_.resize(2 * ny);
     derivatives_.resize((series_order + 2) * ny);
   }
   if (rows <= g_.size()) return;
-  for (auto* v : {&g_, &gd_, &g2_, &ge_, &gde_, &k2_, &least_bend_, &most_bend_, &slope_doubt_, &slow_g_, &slow_gd_, &slow_doubt_,
+  for (auto* v : {&g_, &gd_, &g2_, &k2_, &least_bend_, &most_bend_, &slope_doubt_, &slow_g_, &slow_gd_, &slow_doubt_,
                   &slow_k2_, &slow_g2_, &guard_noise_})
     v->resize(rows);
   guard_derivatives_.resize(rows * (series_order + 1));
@@ -154,6 +155,7 @@ double Locator::bound_at(const Segment& s, Bound& b, int row) {
 void Locator::differentiate_state(const Segment& s) {
   linalg::copy(s.y.data(), s.mode->ny, derivatives_.data());
   linalg::multiply_repeatedly(s.mode->flow.a(), 2, derivatives_.data());
+  has_third_ = false;
 }
 
 /// The guards with their first and second derivatives at the interval's start.
@@ -167,9 +169,10 @@ void Locator::derive(const Segment& s) {
   const double* d = derivatives_.data();
   differentiate_state(s);
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
-    g_[i] = linalg::row_times(m.guards, s.rows[i], d);
-    gd_[i] = linalg::row_times(m.guards, s.rows[i], d + ny);
-    g2_[i] = linalg::row_times(m.guards, s.rows[i], d + 2 * ny);
+    const auto [value, slope, bend] = linalg::row_times_each<3>(m.guards, s.rows[i], d, ny);
+    g_[i] = value;
+    gd_[i] = slope;
+    g2_[i] = bend;
   }
   if (!s.decays.empty()) derive_with_decays(s);
 }
@@ -185,24 +188,31 @@ void Locator::state_at(const Segment& s, double step, double* out) {
   s.mode->flow.apply_once(step, out, work_.data());
 }
 
-void Locator::end_values(const Segment& s, double h) {
-  const Mode& m = *s.mode;
-  state_at(s, h, ye_.data());
-  linalg::multiply(m.flow.a(), ye_.data(), de_.data());
-  for (std::size_t i = 0; i < s.rows.size(); ++i) {
-    ge_[i] = linalg::row_times(m.guards, s.rows[i], ye_.data());
-    gde_[i] = linalg::row_times(m.guards, s.rows[i], de_.data());
-  }
+/// A³ y at the interval's start.
+const double* Locator::third_derivative(const Segment& s) {
+  double* second = derivatives_.data() + 2 * s.mode->ny;
+  if (!std::exchange(has_third_, true)) linalg::multiply(s.mode->flow.a(), second, second + s.mode->ny);
+  return second + s.mode->ny;
+}
+
+/// Guard i at the interval's end, whose state ye_ holds.
+double Locator::end_value(const Segment& s, std::size_t i) const { return linalg::row_times(s.mode->guards, s.rows[i], ye_.data()); }
+
+/// Its slope there.
+double Locator::end_slope(const Segment& s, std::size_t i) {
+  linalg::multiply(s.mode->flow.a(), ye_.data(), a1_.data());
+  return linalg::row_times(s.mode->guards, s.rows[i], a1_.data());
 }
 
 Locator::Root Locator::examine(const Segment& s, std::size_t i, double h) {
   const model::Departure& start = s.departures[i];
   if (is_at_rest(s, i)) {
     const double noise = noise_at_rest(s, i);
-    if (ge_[i] < -noise) return {Verdict::one_root, h, noise};
-    return {ge_[i] <= leaving_zero * noise ? Verdict::excluded : Verdict::undecided, 0.0};
+    const double ge = end_value(s, i);
+    if (ge < -noise) return {Verdict::one_root, h, noise};
+    return {ge <= leaving_zero * noise ? Verdict::excluded : Verdict::undecided, 0.0};
   }
-  if (!s.decays.empty() && enclosed_[i].until > 0.0) return {verdict_at_end(i, h), h, 0.0, enclosed_[i].from};
+  if (!s.decays.empty() && enclosed_[i].until > 0.0) return {verdict_at_end(s, i, h), h, 0.0, enclosed_[i].from};
   if (s.tau == 0.0 && start.order != 0) {
     // Leaves zero upwards at this order: positive as long as the next derivative cannot have undone it.
     const Mode& m = *s.mode;
@@ -217,31 +227,31 @@ Locator::Root Locator::examine(const Segment& s, std::size_t i, double h) {
   }
   const double k2 = k2_[i];
   const double g = g_[i];
-  const double ge = ge_[i];
   const double doubt = s.decays.empty() ? 0.0 : slope_doubt_[i];
   if (g > 0.0 && g + std::min(gd_[i] - doubt, 0.0) * h - 0.5 * k2 * h * h > 0.0) return {Verdict::excluded, 0.0};
+  const double ge = end_value(s, i);
   if (g > 0.0 && ge > 0.0 && std::min(g, ge) - 0.125 * k2 * h * h > 0.0) return {Verdict::excluded, 0.0};
   if (g > 0.0 && ge <= 0.0 && gd_[i] + doubt < -k2 * h) return {Verdict::one_root, h};
   if (!s.decays.empty()) return {Verdict::undecided, 0.0};
-  linalg::multiply(s.mode->flow.a(), derivatives_.data() + 2 * s.mode->ny, a1_.data());
-  Bound third = bound_of(s, 3, a1_.data(), h);
+  Bound third = bound_of(s, 3, third_derivative(s), h);
   const double k3 = bound_at(s, third, s.rows[i]);
   const double noise = noise_of(s, s.rows[i]);
   if (std::abs(g2_[i]) > k3 * h) {
-    if (g2_[i] >= 0.0) return convex(s, i, h, noise);
+    if (g2_[i] >= 0.0) return convex(s, i, h, ge, noise);
     if (g >= 0.0 && ge >= 0.0) return {Verdict::excluded, 0.0};
     if (g > 0.0 && ge < 0.0) return {Verdict::one_root, h};
   }
   return {Verdict::undecided, 0.0};
 }
 
-Locator::Root Locator::convex(const Segment& s, std::size_t i, double h, double noise) {
+Locator::Root Locator::convex(const Segment& s, std::size_t i, double h, double ge, double noise) {
   const double g = g_[i];
   if (g >= -noise && gd_[i] >= 0.0) return {Verdict::excluded, 0.0};
   if (!(g > 0.0)) return {Verdict::undecided, 0.0};
-  if (gde_[i] <= 0.0) {
-    if (ge_[i] > 0.0) return {Verdict::excluded, 0.0};
-    if (ge_[i] < 0.0) return {Verdict::one_root, h};
+  const double gde = end_slope(s, i);
+  if (gde <= 0.0) {
+    if (ge > 0.0) return {Verdict::excluded, 0.0};
+    if (ge < 0.0) return {Verdict::one_root, h};
     return {Verdict::undecided, 0.0};
   }
   // The minimum lies inside: Newton on g' between the bracketing ends.
@@ -249,7 +259,7 @@ Locator::Root Locator::convex(const Segment& s, std::size_t i, double h, double 
   const int row = s.rows[i];
   double low = 0.0;
   double high = h;
-  double at = h * gd_[i] / (gd_[i] - gde_[i]);
+  double at = h * gd_[i] / (gd_[i] - gde);
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     state_at(s, at, at_.data());
     linalg::multiply(m.flow.a(), at_.data(), a1_.data());
@@ -279,7 +289,7 @@ void Locator::end_at_event(Segment& s, std::size_t i, double tau, double end, Lo
 bool Locator::try_interval(Segment& s, double h, double end, Located& located, bool& decided) {
   ++intervals_;
   ++s.intervals;
-  end_values(s, h);
+  state_at(s, h, ye_.data());
   decided = true;
   if (!s.decays.empty() && !decays_hold(s, h)) {
     leave_decays(s);
@@ -351,10 +361,10 @@ bool Locator::march_by_bounds(Segment& s, double end, double shortest, Located& 
 bool Locator::sample_interval(Segment& s, double h, double end, Located& located) {
   if (!s.sampled) ++sampled_;
   s.sampled = true;
-  end_values(s, h);
+  state_at(s, h, ye_.data());
   double first = INFINITY;
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
-    if (ge_[i] >= -noise_of(s, s.rows[i]) || gde_[i] > 0.0) continue;
+    if (end_value(s, i) >= -noise_of(s, s.rows[i]) || end_slope(s, i) > 0.0) continue;
     const double at = g_[i] > 0.0 ? find_root(s, i, 0.0, h, parabola_root(i), 0.0) : 0.5 * h;
     if (at >= first) continue;
     first = at;

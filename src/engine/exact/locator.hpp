@@ -134,7 +134,7 @@ class Locator {
   bool enclose_rest(const Segment& segment, double h);
   double enclose_guards(Segment& segment, double h);
   bool decide_by_enclosures(Segment& segment, double h, double end, Located& located);
-  [[nodiscard]] Verdict verdict_at_end(std::size_t i, double h) const;
+  [[nodiscard]] Verdict verdict_at_end(const Segment& segment, std::size_t i, double h) const;
   void bound_second(const Segment& segment, double h);
   void bound_bends(const Segment& segment, double h);
   void narrow_bends(const Segment& segment, double h);
@@ -148,9 +148,11 @@ class Locator {
   [[nodiscard]] double length_to_first_root(const Segment& segment, double longest) const;
   bool falling(Segment& segment, std::size_t i, double h, double end, Located& located);
   bool look_ahead(Segment& segment, double end, Located& located);
-  void end_values(const Segment& segment, double h);
+  const double* third_derivative(const Segment& segment);
+  [[nodiscard]] double end_value(const Segment& segment, std::size_t i) const;
+  double end_slope(const Segment& segment, std::size_t i);
   Root examine(const Segment& segment, std::size_t i, double h);
-  Root convex(const Segment& segment, std::size_t i, double h, double noise);
+  Root convex(const Segment& segment, std::size_t i, double h, double ge, double noise);
   [[nodiscard]] double parabola_root(std::size_t i) const;
   [[nodiscard]] double cubic_root(const Segment& segment, std::size_t i) const;
   double find_root(const Segment& segment, std::size_t i, double lower, double upper, double guess, double below);
@@ -210,10 +212,11 @@ class Locator {
   static constexpr double fallen_further = 2.0;
 
   std::size_t size_ = 0;  ///< states the buffers are made for
-  std::vector<double> ye_, de_, work_, at_, a1_, a2_, event_;
-  std::vector<double> g_, gd_, g2_, ge_, gde_, k2_;
+  std::vector<double> ye_, work_, at_, a1_, a2_, event_;
+  std::vector<double> g_, gd_, g2_, k2_;
   std::vector<double> least_bend_, most_bend_;  ///< bounds of the guards' second derivatives
   std::vector<double> derivatives_;             ///< A^j y at the interval's start, j = 0 … order + 1
+  bool has_third_ = false;                      ///< j = 3 is among them
   std::vector<double> guard_derivatives_;       ///< rows × (order + 1)
   std::vector<double> block_bound_;
   Bound slow_bound_;                 ///< of the slow motion beside decays

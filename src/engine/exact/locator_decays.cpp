@@ -110,7 +110,7 @@ bool Locator::derive_sum(const Segment& s, std::size_t i, double rate_noise) {
   return decays.are_sharp || slope_error <= tolerance::decay_mismatch * slope_size + rate_noise * s.mode->guard_norm[row] + doubt_of_slope;
 }
 
-/// Whether the guards at the interval's end, which is in ye_ and ge_, are those sums, and the slow motion's part what it was bound to be: eigenvectors of decays that are nearly parallel can be far off.
+/// Whether the guards at the interval's end, whose state ye_ holds, are those sums, and the slow motion's part what it was bound to be: eigenvectors of decays that are nearly parallel can be far off.
 bool Locator::decays_hold(const Segment& s, double h) {
   const Mode& slow = *s.mode->slow;
   const model::Decays& decays = *slow.decays;
@@ -121,7 +121,8 @@ bool Locator::decays_hold(const Segment& s, double h) {
     const int row = s.rows[i];
     const double slow_end = linalg::row_times(slow.guards, row, slow_state_.data());
     const double slow_size = linalg::absolute_row_times(slow.guards, row, slow_state_.data());
-    double sum = slow_end, size = slow_size + std::abs(ge_[i]), at_first = 0.0;
+    const double whole = end_value(s, i);
+    double sum = slow_end, size = slow_size + std::abs(whole), at_first = 0.0;
     for (std::size_t k = 0; k < end_left_.size(); ++k) {
       const double term = decays.guards(row, static_cast<Eigen::Index>(k)) * s.decays[k];
       sum += term * end_left_[k];
@@ -129,7 +130,7 @@ bool Locator::decays_hold(const Segment& s, double h) {
       at_first += std::abs(term);
     }
     const double rounding = tolerance::decay_rounding * at_first + guard_noise_[i];
-    if (std::abs(sum - ge_[i]) > tolerance::decay_mismatch * size + rounding) return false;
+    if (std::abs(sum - whole) > tolerance::decay_mismatch * size + rounding) return false;
     // The slow motion that begins where the decays leave the state, too.
     const double bend = 0.5 * slow_k2_[i] * h * h;
     if (std::abs(slow_g_[i] + h * slow_gd_[i] - slow_end) > bend + tolerance::decay_mismatch * slow_size + rounding) return false;
@@ -349,9 +350,9 @@ bool Locator::decide_by_enclosures(Segment& s, double h, double end, Located& lo
 }
 
 /// Of a guard that is enclosed, on the whole interval of length h.
-Locator::Verdict Locator::verdict_at_end(std::size_t i, double h) const {
+Locator::Verdict Locator::verdict_at_end(const Segment& s, std::size_t i, double h) const {
   if (!enclosed_[i].falls) return Verdict::excluded;
-  if (ge_[i] < 0.0) return Verdict::one_root;
+  if (end_value(s, i) < 0.0) return Verdict::one_root;
   return enclosed_[i].until > h ? Verdict::excluded : Verdict::undecided;
 }
 
