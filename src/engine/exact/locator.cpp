@@ -89,8 +89,8 @@ void Locator::prepare(Segment& s) {
     derivatives_.resize((series_order + 2) * ny);
   }
   if (rows <= g_.size()) return;
-  for (auto* v : {&g_, &gd_, &g2_, &k2_, &least_bend_, &most_bend_, &slope_doubt_, &slow_g_, &slow_gd_, &slow_doubt_,
-                  &slow_k2_, &slow_g2_, &guard_noise_})
+  for (auto* v : {&g_, &gd_, &g2_, &k2_, &least_bend_, &most_bend_, &slope_doubt_, &slow_g_, &slow_gd_, &slow_doubt_, &slow_k2_, &slow_g2_,
+                  &guard_noise_})
     v->resize(rows);
   guard_derivatives_.resize(rows * (series_order + 1));
 }

@@ -16,6 +16,8 @@ using linalg::Vector;
 constexpr int piece_steps = 8;
 constexpr double least_pieces = 4.0;     ///< that a time is divided into
 constexpr double resolved_share = 0.05;  ///< of a piece: its last coefficients
+constexpr double smooth_share =
+    resolved_share / 256.0;  ///< the same, of one that is half of a resolved piece: they fall as the eighth power of its length
 constexpr int most_halvings = 60;
 constexpr double same_sources = 1e-6;  ///< of a direction: by so little of itself a combination may miss it
 
@@ -49,55 +51,65 @@ Mean mean_of(const Vector& values) {
   return {std::sqrt(square), std::abs(c[piece_steps]) + std::abs(c[piece_steps - 1])};
 }
 
-/// ∫ of what a motion misses, over γ.
+/// ∫ of what a motion misses, over γ: of f = K² y, which moves as y does, since K is a function of its matrix.
 class Integral {
  public:
   Integral(const KrylovSpace::Relation& relation, double counts)
-      : relation_(relation), square_(relation.k * relation.k), counts_(counts), work_(static_cast<std::size_t>(2 * square_.rows())) {}
+      : relation_(relation),
+        counts_(counts),
+        f_(relation.k * (relation.k * relation.first)),
+        end_(f_.size()),
+        work_(static_cast<std::size_t>(2 * f_.size())) {}
 
   struct Sum {
     double last = 0.0;      ///< of |f_m|
     double rounding = 0.0;  ///< of Σ δ_i |f_i|
   };
+  /// By pieces that are powers of two: half as long where one is not resolved, twice as long where one shows that those would be.
   [[nodiscard]] Sum until(double tau) {
-    sum_ = {};
-    const int exponent = static_cast<int>(std::ceil(std::log2(tau / least_pieces)));
-    Vector y = relation_.first;
-    for (double reached = 0.0; reached < tau; reached += std::ldexp(1.0, exponent)) add(y, exponent, 0);
-    return sum_;
+    Sum sum;
+    const int longest = static_cast<int>(std::ceil(std::log2(tau / least_pieces)));
+    int exponent = longest;
+    for (double reached = 0.0; reached < tau;) {
+      const double length = std::ldexp(1.0, exponent);
+      const Piece piece = piece_of(length);
+      const bool counts = piece.mean.size + piece.rounding > counts_ / length;
+      if (counts && piece.mean.unresolved > resolved_share * piece.mean.size && exponent > longest - most_halvings) {
+        --exponent;
+        continue;
+      }
+      sum.last += length * (piece.mean.size + piece.mean.unresolved);
+      sum.rounding += length * piece.rounding;
+      f_.swap(end_);
+      reached += length;
+      if (exponent < longest && (!counts || piece.mean.unresolved < smooth_share * piece.mean.size)) ++exponent;
+    }
+    return sum;
   }
 
  private:
-  /// A piece of that power of two, halved until it is resolved or nothing.
-  void add(Vector& y, int exponent, int halved) {
-    const Vector before = y;
-    const Eigen::Index last = square_.rows() - 1;
-    const double step = std::ldexp(1.0, exponent) / piece_steps;
+  struct Piece {
+    Mean mean;
+    double rounding = 0.0;
+  };
+  /// Of the next piece, at whose end end_ is.
+  Piece piece_of(double length) {
+    const Eigen::Index last = f_.size() - 1;
     Vector values(piece_steps + 1);
     double rounding = 0.0;
+    end_ = f_;
     for (Eigen::Index i = 0; i <= piece_steps; ++i) {
-      if (i > 0) relation_.flow.apply_once(step, y.data(), work_.data());
-      const Vector f = square_ * y;
-      values[i] = relation_.shift * f[last];
-      rounding += relation_.shift * relation_.delta.dot(f.cwiseAbs()) / (piece_steps + 1);
+      if (i > 0) relation_.flow.apply_once(length / piece_steps, end_.data(), work_.data());
+      values[i] = relation_.shift * end_[last];
+      rounding += relation_.shift * relation_.delta.dot(end_.cwiseAbs()) / (piece_steps + 1);
     }
-    const Mean mean = mean_of(values);
-    const double length = std::ldexp(1.0, exponent), least = counts_ / length;
-    if (mean.unresolved > resolved_share * mean.size && mean.size + rounding > least && halved < most_halvings) {
-      y = before;
-      add(y, exponent - 1, halved + 1);
-      add(y, exponent - 1, halved + 1);
-      return;
-    }
-    sum_.last += length * (mean.size + mean.unresolved);
-    sum_.rounding += length * rounding;
+    return {mean_of(values), rounding};
   }
 
   const KrylovSpace::Relation& relation_;
-  Matrix square_;  ///< K²
   double counts_;
+  Vector f_, end_;  ///< where the next piece begins and ends
   std::vector<double> work_;
-  Sum sum_;
 };
 
 /// X: of all combinations of the basis that have these directions, the one for which it and τ times its change are least. Nothing where there is none.
