@@ -14,8 +14,9 @@ using linalg::Wide;
 using linalg::WideMatrix;
 using Places = std::vector<Eigen::Index>;
 
-constexpr Eigen::Index largest_form = 24;  ///< states; beyond, the search would cost more than it saves
-constexpr Wide largest_condition = 1e7L;   ///< of eigenvectors: what extended precision has to spare goes into it
+constexpr Eigen::Index largest_form = 64;       ///< states; beyond, the search would cost more than it saves
+constexpr Eigen::Index largest_wide_form = 24;  ///< beyond, eigenvectors in extended precision cost more than the search saves
+constexpr Wide largest_condition = 1e7L;        ///< of eigenvectors: what extended precision has to spare goes into it
 
 /// Of y, what moves by a rate of its own, and levels and ramps.
 void sort_places(const System& system, const Mode& mode, Places& moved, Places& given) {
@@ -27,7 +28,7 @@ void sort_places(const System& system, const Mode& mode, Places& moved, Places& 
 }
 
 /// Whether no coordinate is pushed by the others' rounding faster than its own rate tells.
-bool knows_every_rate(const WideMatrix& rest, const WideMatrix& lambda, Wide least) {
+bool knows_every_rate(const Matrix& rest, const WideMatrix& lambda, Wide least) {
   Wide slowest = INFINITY;
   for (Eigen::Index i = 0; i < lambda.rows(); ++i)
     if (const Wide rate = lambda.row(i).norm(); rate > least) slowest = std::min(slowest, rate);
@@ -38,9 +39,7 @@ bool knows_every_rate(const WideMatrix& rest, const WideMatrix& lambda, Wide lea
 }
 
 /// Whether that moves none visibly within `longest`.
-bool hides_no_motion(const WideMatrix& rest, double longest) {
-  return rest.rowwise().norm().maxCoeff() * static_cast<Wide>(longest) <= tolerance::motion_error;
-}
+bool hides_no_motion(const Matrix& rest, double longest) { return rest.rowwise().norm().maxCoeff() * longest <= tolerance::motion_error; }
 
 /// ‖V‖‖W‖, W = V⁻¹: what cancels in the modes' coordinates.
 Wide condition(const WideMatrix& v, const WideMatrix& w) { return v.norm() * w.norm(); }
@@ -54,6 +53,29 @@ Wide condition_in_own_units(const WideMatrix& m, WideMatrix v, WideMatrix w, Eig
   }
   w.array().colwise() *= v.colwise().norm().transpose().array();
   return condition(v.colwise().normalized(), w);
+}
+
+struct Eigenvectors {
+  WideMatrix v, lambda;
+};
+
+/// Of a pair λ, λ* the columns are the real and the imaginary part of one eigenvector, and Λ has a block (Re λ, Im λ; −Im λ, Re λ). Empty: not found.
+template <class M>
+Eigenvectors eigenvectors(const M& m) {
+  const Eigen::EigenSolver<M> solver(m);
+  if (solver.info() != Eigen::Success) return {};
+  return {solver.pseudoEigenvectors().template cast<Wide>(), solver.pseudoEigenvalueMatrix().template cast<Wide>()};
+}
+
+/// V Λ, whose blocks are those of pairs.
+WideMatrix times_blocks(const WideMatrix& v, const WideMatrix& lambda) {
+  WideMatrix result(v.rows(), v.cols());
+  for (Eigen::Index j = 0; j < v.cols(); ++j) {
+    result.col(j) = v.col(j) * lambda(j, j);
+    if (j > 0 && lambda(j - 1, j) != 0.0L) result.col(j) += v.col(j - 1) * lambda(j - 1, j);
+    if (j + 1 < v.cols() && lambda(j + 1, j) != 0.0L) result.col(j) += v.col(j + 1) * lambda(j + 1, j);
+  }
+  return result;
 }
 
 /// Rows of complex numbers, of which `from` has real and (negative) imaginary parts as the columns of pairs have them.
@@ -83,13 +105,11 @@ std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode, do
   if (n == 0 || n > largest_form) return nullptr;
   const WideMatrix a = mode.flow.a().cast<Wide>();
   const WideMatrix m = a(moved, moved), on_given = a(moved, given), given_rates = a(given, given);
-  const Eigen::EigenSolver<WideMatrix> solver(m);
-  if (solver.info() != Eigen::Success) return nullptr;
-  // Of a pair λ, λ* the columns are the real and the imaginary part of one eigenvector, and Λ has a block (Re λ, Im λ; −Im λ, Re λ).
-  const WideMatrix v = solver.pseudoEigenvectors(), lambda = solver.pseudoEigenvalueMatrix();
+  const auto [v, lambda] = n <= largest_wide_form ? eigenvectors(m) : eigenvectors(Matrix(m.cast<double>()));
+  if (v.size() == 0) return nullptr;
   const WideMatrix w = Eigen::PartialPivLU<WideMatrix>(v).inverse();
   if (!(condition(v, w) < largest_condition) && !(condition_in_own_units(m, v, w, mode.n1) < largest_condition)) return nullptr;
-  const WideMatrix rest = w * (m * v - v * lambda);
+  const Matrix residual = (m * v - times_blocks(v, lambda)).cast<double>(), rest = w.cast<double>() * residual;
   const bool is_known = knows_every_rate(rest, lambda, tolerance::slowest_rate * m.norm());
   if (!is_known && !hides_no_motion(rest, longest)) return nullptr;
 
@@ -100,7 +120,7 @@ std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode, do
     if (pair) ++i;
   }
   WideMatrix velocities = WideMatrix::Zero(n, mode.ny), pushes = velocities;
-  velocities(Eigen::all, moved) = lambda * w;
+  velocities(Eigen::all, moved) = times_blocks(w.transpose(), lambda.transpose()).transpose();
   velocities(Eigen::all, given) = w * on_given;
   pushes(Eigen::all, given) = w * on_given * given_rates;
   const WideMatrix guards = mode.guards.cast<Wide>();
@@ -115,7 +135,7 @@ std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode, do
   form->absolute_velocities = form->velocities.cwiseAbs();
   if (!is_known) {
     WideMatrix unknown = WideMatrix::Zero(n, mode.ny);  // whatever the coordinates are later on
-    unknown(Eigen::all, moved) = rest.cwiseAbs() * w.cwiseAbs();
+    unknown(Eigen::all, moved) = Matrix(rest.cwiseAbs() * w.cast<double>().cwiseAbs()).cast<Wide>();
     form->velocity_errors = in_pairs(unknown, form->rates, 1);
   }
   form->drift = Matrix::Zero(guards.rows(), mode.ny);

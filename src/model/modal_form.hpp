@@ -39,7 +39,7 @@ struct ModalForm {
   mutable int segments_at_once = 0;
 };
 
-/// Null if the eigenvectors are too close to parallel, or too many, for it to be useful. Computed in extended precision. `longest`: it serves for no longer, s; what is that slow need not be told from rest.
+/// Null if the eigenvectors are too close to parallel, or too many, for it to be useful. Computed in extended precision; of many states the eigenvectors in double, and their residual is what counts. `longest`: it serves for no longer, s; what is that slow need not be told from rest.
 [[nodiscard]] std::unique_ptr<ModalForm> modal_form(const System& system, const Mode& mode, double longest);
 
 }  // namespace pwlsim::model

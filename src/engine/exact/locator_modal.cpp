@@ -9,8 +9,10 @@ namespace pwlsim::engine {
 
 namespace {
 
-/// So many intervals in, eigenvectors are worth looking for; and for so many segments after one that came to that, from the first one on.
-constexpr std::uint64_t intervals_before_modal_form = 3;
+/// So many intervals in, eigenvectors are worth looking for. Of more than few states they cost 30 n³ operations, and an interval some 15 n²: as many intervals come first.
+constexpr std::uint64_t intervals_before_modal_form = 3, intervals_a_state = 2;
+constexpr int few_states = 24;
+/// And for so many segments after one that came to that, from the first one on.
 constexpr int segments_at_once = 64;
 /// So few of a search are made again where the segment goes on: stepping to their end costs more.
 constexpr std::uint64_t few_intervals = 4;
@@ -22,7 +24,8 @@ constexpr int turns_without = 2, turns_beside_zero = 64;
 /// Whether the mode has them, and the segment, or one before it, took many intervals without them.
 bool Locator::is_worth_eigenvectors(const Segment& s) {
   const model::Mode& m = *s.mode;
-  const bool is_long = s.intervals >= intervals_before_modal_form;
+  const bool is_long =
+      s.intervals >= (m.ny <= few_states ? intervals_before_modal_form : intervals_a_state * static_cast<std::uint64_t>(m.ny));
   if (!m.modal_form_known && is_long) {
     m.modal_form = model::modal_form(*s.system, m, s.longest);
     m.modal_form_known = true;
