@@ -281,6 +281,33 @@ TEST_CASE("rates that rounding of a far larger one hides have a modal form for a
   CHECK(found.at == Approx(-std::log1p(-fallen) / slow).epsilon(known));
 }
 
+// x_k' = x_{k−1} − 2 x_k + x_{k+1} between ends at zero has the motions sin(jkπ/(n+1)) e^{−λ_j τ}, λ_j = 4 sin²(jπ/(2(n+1))). Two of them, 2 sin(3·) e^{−λ₃τ} − sin(1·) e^{−λ₁τ}, cancel where e^{(λ₃−λ₁)τ} is twice the
+// ratio of their sines. Forty states are more than have eigenvectors in extended precision.
+TEST_CASE("a chain of forty stores has a modal form, and the root that its sines give", "[unit]") {
+  constexpr int n = 40, node = 4;
+  const auto sine = [](int j, int k) { return std::sin(j * k * std::numbers::pi / (n + 1)); };
+  const auto rate = [](int j) { return 4.0 * std::pow(std::sin(j * std::numbers::pi / (2 * (n + 1))), 2); };
+  Matrix a = -2.0 * Matrix::Identity(n, n), c = Matrix::Zero(1, n);
+  for (int k = 0; k + 1 < n; ++k) a(k, k + 1) = a(k + 1, k) = 1.0;
+  c(0, node - 1) = 1.0;
+  const model::System system = test::handmade(a, Matrix::Zero(n, 1), c, Matrix::Zero(1, 1));
+  const auto mode = model::build_mode(system, model::IndexSet(1));
+  const auto form = model::modal_form(system, *mode, INFINITY);
+  REQUIRE(form);
+  CHECK(form->rates.size() == n);
+  const Vector y = Vector::NullaryExpr(n, [&](Eigen::Index k) {
+    const int at = static_cast<int>(k) + 1;
+    return 2.0 * sine(3, at) - sine(1, at);
+  });
+  const double root = std::log(2.0 * sine(3, node) / sine(1, node)) / (rate(3) - rate(1));
+  ModalSearch search;
+  const std::vector<ModalSearch::Guard> guards{{0, y[node - 1], noise, false}};
+  const ModalSearch::Found found = search.search(*form, guards, y.data(), 10.0 * root);
+  REQUIRE(found.verdict == ModalSearch::Verdict::root);
+  CHECK(found.at == Approx(root).epsilon(1e-11));
+  CHECK(search.search(*form, guards, y.data(), 0.9 * root).verdict == ModalSearch::Verdict::positive);
+}
+
 // x' = −x + unit·sin ωt: in whatever unit the sine is written, its eigenvectors are as far from the state's own.
 TEST_CASE("the unit of a source does not decide whether there is a modal form", "[unit]") {
   constexpr double frequency = 50.0, omega = 2 * std::numbers::pi * frequency;
