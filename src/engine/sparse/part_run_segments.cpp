@@ -29,11 +29,11 @@ void PartRun::note_least_voltage() {
 
 bool PartRun::begin_segment() {
   const double time = point_.time;
+  if (limit_) point_.z.assign(limit_->xi.begin(), limit_->xi.end());
+  limit_.reset();
   Instant instant = begin_instant();
   for (const Gate& gate : gates_)
     if (!position_ahead_.empty()) position_ahead_[gate.port()] = point_.on[gate.port()];
-  if (limit_) point_.z.assign(limit_->xi.begin(), limit_->xi.end());
-  limit_.reset();
   if (!starting_) descriptor_.measure_states(point_.z.data(), states_);
   const Beginning beginning{point_.on, instant};
   const std::vector<double> states = states_, z = point_.z;
