@@ -90,6 +90,7 @@ DeckResponse deck_response(const Compiled& compiled, const SteadyState* state) {
   if (!state->inputs->id.empty()) return {{}, state->inputs->id, state->inputs->message};
   if (!state->orbit.kink.empty()) return {{}, "E-ac-no-derivative", "the orbit has no derivative: " + state->orbit.kink};
   response.result = small_signals(compiled, *state);
+  if (response.result->is_beyond_derivatives) return {{}, "E-ac-no-derivative", beyond_derivatives};
   return response;
 }
 

@@ -128,6 +128,7 @@ SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSi
     return is_limit ? limit_at_rest(period, [&](double near) { return at(near, amplitudes); }) : at(f, amplitudes);
   };
   SmallSignalResult result = evaluate(compiled, inputs, response);
+  result.is_beyond_derivatives = linear.reads_last_derivative();
   result.unknown_impulses = unknown;
   return result;
 }

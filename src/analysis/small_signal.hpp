@@ -42,6 +42,7 @@ struct SmallSignalResult {
   std::vector<Column> columns;
   std::optional<LoopGain> loop;
   std::vector<double> singular;        ///< frequencies of an infinite response
+  bool is_beyond_derivatives = false;  ///< something follows further derivatives of an input than are known: no value is right
   std::vector<int> unknown_impulses;   ///< signals whose impulses have no linear form
   std::vector<std::string> impulsive;  ///< signals without a response: they have impulses on the orbit that the input changes
 };
@@ -69,6 +70,10 @@ class LinearSmallSignals {
   std::shared_ptr<const engine::sparse::SparseModel> equations_;
   std::string id_, message_;
 };
+
+/// E-ac-no-derivative of such a result.
+inline constexpr const char* beyond_derivatives =
+    "something follows the seventh derivative of an input, or a further one; try a small resistance where it is differentiated";
 
 /// Leaves out the responses of these signals of the network.
 void leave_out_impulsive(const circuit::Compiled& compiled, const std::vector<int>& signals, SmallSignalResult& result);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "analysis/modulation.hpp"
 #include "base/names.hpp"
@@ -20,9 +21,17 @@ bool is_same_element(std::string a, std::string b) {
   return same_name(a, b);
 }
 
-void add_input_on(model::Network& network, const std::vector<int>& sources, Complex amplitude, SmallSignalInputs& inputs) {
+/// 1/s, of an input of the highest frequency of the card.
+double input_rate(const SmallSignalAnalysis& card) {
+  double highest = 0.0;
+  for (const double f : card.frequencies) highest = std::max(highest, f);
+  return highest > 0.0 ? 2.0 * std::numbers::pi * highest : 1.0;
+}
+
+void add_input_on(const SmallSignalAnalysis& card, model::Network& network, const std::vector<int>& sources, Complex amplitude,
+                  SmallSignalInputs& inputs) {
   const std::string name = fmt::format("ac {}", network.sources[static_cast<std::size_t>(sources.front())].label.name);
-  const int input = steady::add_input(network, name);
+  const int input = steady::add_small_input(network, name, input_rate(card));
   for (const int source : sources) steady::superpose_input(network, source, input);
   inputs.names.push_back(name);
   inputs.amplitudes.push_back(amplitude);
@@ -43,8 +52,9 @@ void add_loop_signals(model::Network& network, const std::string& source, SmallS
   }
 }
 
-/// A second input; false where `name` is no current source at a node of the voltage source `loop`.
-bool add_loop_current(model::Network& network, const std::string& loop, const std::string& name, SmallSignalInputs& inputs) {
+/// A second input; false where it is no current source at a node of the voltage source.
+bool add_loop_current(const SmallSignalAnalysis& card, model::Network& network, SmallSignalInputs& inputs) {
+  const std::string &loop = card.loop, &name = card.loop_current;
   const auto is_named = [](const std::string& wanted) {
     return [&wanted](const auto& part) { return is_same_element(part.label.name, wanted); };
   };
@@ -56,7 +66,7 @@ bool add_loop_current(model::Network& network, const std::string& loop, const st
   inputs.injected_at_positive = injected(branch->p);
   inputs.injected_at_negative = injected(branch->n);
   if (inputs.injected_at_positive == 0.0 && inputs.injected_at_negative == 0.0) return false;
-  add_input_on(network, sources, 0.0, inputs);
+  add_input_on(card, network, sources, 0.0, inputs);
   const auto number = static_cast<int>(branch - network.branches.begin());
   network.signals.push_back({"loop current", {{model::Term::Kind::branch_current, number, 1.0}}});
   inputs.current = static_cast<int>(network.signals.size()) - 1;
@@ -86,11 +96,11 @@ void add_source(const SmallSignalAnalysis& card, model::Network& network, SmallS
   const std::string& name = card.loop.empty() ? card.sources.front() : card.loop;
   const std::vector<int> sources = sources_named(network, name);
   if (sources.empty()) return fail(no_source(name), inputs);
-  add_input_on(network, sources, 1.0, inputs);
+  add_input_on(card, network, sources, 1.0, inputs);
   if (card.loop.empty()) return;
   add_loop_signals(network, name, inputs);
   if (inputs.positive < 0) return fail(no_source(name), inputs);
-  if (!card.loop_current.empty() && !add_loop_current(network, card.loop, card.loop_current, inputs))
+  if (!card.loop_current.empty() && !add_loop_current(card, network, inputs))
     fail(fmt::format("{} is not a current source at a node of {}; try {} 0 n+ 0, n+ being that node of {}", card.loop_current, card.loop,
                      card.loop_current, card.loop),
          inputs);
@@ -103,16 +113,16 @@ void add_timing(const SmallSignalAnalysis& card, model::Network& network, SmallS
     if (sources.empty()) return fail(no_source(name), inputs);
     if (const std::string why = immovable(network.sources[static_cast<std::size_t>(sources.front())].function, card); !why.empty())
       return fail(fmt::format("{} {}", name, why), inputs);
-    add_input_on(network, sources, 0.0, inputs);
+    add_input_on(card, network, sources, 0.0, inputs);
   }
 }
 
 /// All sources with an AC value.
-void add_marked(model::Network& network, SmallSignalInputs& inputs) {
+void add_marked(const SmallSignalAnalysis& card, model::Network& network, SmallSignalInputs& inputs) {
   const std::size_t count = network.sources.size();
   for (std::size_t k = 0; k < count; ++k)
     if (const Complex amplitude = network.sources[k].alternating; amplitude != 0.0)
-      add_input_on(network, {static_cast<int>(k)}, amplitude, inputs);
+      add_input_on(card, network, {static_cast<int>(k)}, amplitude, inputs);
   if (inputs.names.empty()) fail("no source has an AC value; try AC 1 on a source, or from=V1", inputs);
 }
 
@@ -125,7 +135,7 @@ SmallSignalInputs add_small_signal_inputs(const SmallSignalAnalysis& card, model
   else if (card.input != SmallSignalAnalysis::Input::marked)
     add_timing(card, network, inputs);
   else
-    add_marked(network, inputs);
+    add_marked(card, network, inputs);
   return inputs;
 }
 

@@ -141,7 +141,9 @@ Response Circuit::small_signals(const std::vector<double>& frequencies, const Sm
   if (found.state.map) throw api::error("E-pss-engine", analysis::response_needs_modes);
   if (!found.state.inputs->id.empty()) throw api::error(found.state.inputs->id, found.state.inputs->message);
   if (!found.state.orbit.kink.empty()) throw api::error("E-ac-no-derivative", "the orbit has no derivative: " + found.state.orbit.kink);
-  return response_of(analysis::small_signals(found.compiled, found.state), found.data->messages);
+  const analysis::SmallSignalResult result = analysis::small_signals(found.compiled, found.state);
+  if (result.is_beyond_derivatives) throw api::error("E-ac-no-derivative", analysis::beyond_derivatives);
+  return response_of(result, found.data->messages);
 }
 
 }  // namespace pwlsim

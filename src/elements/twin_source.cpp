@@ -81,6 +81,8 @@ class SourceText {
 
   std::string operator()(const model::Held& held) const { return fmt::format("DC {}", held.value); }
 
+  std::string operator()(const model::SmallInput&) const { return "DC 0"; }
+
   std::string operator()(const model::Sin& sin) const {
     if (sin.frequency == 0.0) return decay(sin);
     if (!std::isinf(sin.cycles)) return burst(sin);

@@ -38,6 +38,7 @@ double Exosystem::Block::derivative_bound(const double* zeta, int order, double 
   switch (kind) {
     case Kind::constant:
     case Kind::level:
+    case Kind::small_input:
       return 0.0;
     case Kind::ramp:
       return order == 1 ? std::abs(rate * zeta[first + 1]) : 0.0;
@@ -155,6 +156,16 @@ void Exosystem::add(int source, const Held& f) {
   coefficients_.push_back({source, blocks_[static_cast<std::size_t>(index)].first, 1.0});
 }
 
+void Exosystem::add(int source, const SmallInput& f) {
+  Block block;
+  block.kind = Block::Kind::small_input;
+  block.source = source;
+  block.rate = f.rate;
+  const int index = add_block(block);
+  tracks_.push_back({{}, index, false});
+  coefficients_.push_back({source, blocks_[static_cast<std::size_t>(index)].first, 1.0});
+}
+
 Exosystem Exosystem::with_held(std::span<const double> values) const {
   Exosystem other = *this;
   for (TrackBlock& block : other.tracks_)
@@ -194,6 +205,7 @@ void Exosystem::fill_matrices(int sources) {
   for (const auto& block : blocks_) {
     const int i = block.first;
     if (block.kind == Block::Kind::ramp) a_(i, i + 1) = block.rate;
+    for (int k = 1; k < block.size() && block.kind == Block::Kind::small_input; ++k) a_(i + k - 1, i + k) = block.rate;
     if (block.kind == Block::Kind::decay) a_(i, i) = -block.damping;
     if (block.kind == Block::Kind::oscillation) {
       a_(i, i) = a_(i + 1, i + 1) = -block.damping;
@@ -277,6 +289,7 @@ void Exosystem::evaluate(const Phase& phase, double time, double* zeta) const {
     const auto& cursor = phase.cursors[i];
     zeta[block.first] = cursor.at(time);
     if (block.kind == Block::Kind::ramp) zeta[block.first + 1] = cursor.slope / block.rate;
+    if (block.kind == Block::Kind::small_input) std::fill_n(zeta + block.first, block.size(), 0.0);
   }
   evaluate_curved(phase, time, 0.0, zeta);
 }

@@ -3,7 +3,8 @@
 /// take the input as given; putting it into the state makes every solution a matrix exponential).
 ///
 /// Blocks of ζ: the constant 1; sin/cos pairs (shared by all undelayed sources of one frequency); levels (piecewise constant);
-/// ramps (value and slope, the slope divided by its largest magnitude); decays e^{−t/τ}. A breakpoint sets its block anew.
+/// ramps (value and slope, the slope divided by its largest magnitude); decays e^{−t/τ}; small inputs with their derivatives, all of them zero.
+/// A breakpoint sets its block anew.
 
 #include <span>
 #include <string>
@@ -72,10 +73,13 @@ class Track {
 /// A sum of sources this close to a level, against the terms it is made of, is on it; then its derivatives decide, each against its own terms.
 constexpr double threshold_noise = 3e-14;  ///< Of: the terms of the sum. Why: 135 units of rounding of double.
 
+/// Of a small input: its value and derivatives. The extraction differentiates six times at most (E-index), a mode seldom more than once.
+inline constexpr int small_input_states = 8;
+
 class Exosystem {
  public:
   struct Block {
-    enum class Kind { constant, oscillation, level, ramp, decay };
+    enum class Kind { constant, oscillation, level, ramp, decay, small_input };
     Kind kind = Kind::constant;
     int first = 0;       ///< index of its first state
     int source = -1;     ///< −1 where sources share it
@@ -86,7 +90,10 @@ class Exosystem {
     int partner = -1;                   ///< oscillation: its level state, −1: none
     /// Whether it has a rate of its own: not a constant, level or ramp.
     [[nodiscard]] bool is_curved() const { return kind == Kind::oscillation || kind == Kind::decay; }
-    [[nodiscard]] int size() const { return kind == Kind::oscillation || kind == Kind::ramp ? 2 : 1; }
+    [[nodiscard]] int size() const {
+      if (kind == Kind::small_input) return small_input_states;
+      return kind == Kind::oscillation || kind == Kind::ramp ? 2 : 1;
+    }
     /// Bound of |ζ_block^{(order)}(t + s)|₂ for 0 ≤ s ≤ h from the block's state now; for a ramp only its value counts.
     [[nodiscard]] double derivative_bound(const double* zeta, int order, double h) const;
   };
@@ -151,6 +158,7 @@ class Exosystem {
   void add(int source, const Pwl& f);
   void add(int source, const Exp& f);
   void add(int source, const Held& f);
+  void add(int source, const SmallInput& f);
   void add_track(int source, Track track, bool may_jump);
   void use_constant(int source, double value);
   void fill_matrices(int sources);

@@ -57,6 +57,12 @@ struct Held {
   bool operator==(const Held&) const = default;
 };
 
-using SourceFunction = std::variant<Dc, Sin, Pulse, Pwl, Exp, Held>;
+/// Zero: what a small input and its derivatives would do is read from the columns of their states, w^(k) = rate^k·(state k).
+struct SmallInput {
+  double rate = 1.0;  ///< 1/s
+  bool operator==(const SmallInput&) const = default;
+};
+
+using SourceFunction = std::variant<Dc, Sin, Pulse, Pwl, Exp, Held, SmallInput>;
 
 }  // namespace pwlsim::model

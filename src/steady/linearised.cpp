@@ -74,6 +74,14 @@ int add_input(model::Network& network, const std::string& name) {
   return static_cast<int>(network.sources.size()) - 1;
 }
 
+int add_small_input(model::Network& network, const std::string& name, double rate) {
+  model::Source source;
+  source.label.name = name;
+  source.function = model::SmallInput{rate};
+  network.sources.push_back(std::move(source));
+  return static_cast<int>(network.sources.size()) - 1;
+}
+
 void superpose_input(model::Network& network, int source, int input) {
   for (auto& branch : network.branches) superpose(branch.voltage, source, input);
   for (auto& injection : network.injections) superpose(injection.current, source, input);
@@ -91,7 +99,7 @@ LinearisedOrbit::LinearisedOrbit(const engine::ExactModel& model, const Trace& t
     for (std::size_t k = 0; k < inputs.size(); ++k)
       for (const model::Exosystem::Block& block : sources.blocks())
         if (block.source >= 0 && island.island.network.sources[static_cast<std::size_t>(block.source)].label.name == inputs[k])
-          own[k] = {block.first, block.first + 1, block.rate};
+          own[k] = {block.first, block.first + 1, block.rate, block.size()};
   }
   instants_.reserve(trace.steps.size());
   for (std::size_t i = 0; i < trace.steps.size(); ++i) {
@@ -120,6 +128,29 @@ std::vector<int> LinearisedOrbit::take_impulses(const Trace& trace, bool is_driv
     }
   }
   return unknown;
+}
+
+bool LinearisedOrbit::reads_last_derivative() const {
+  const auto reads = [&](std::size_t island, const auto& rows, Eigen::Index first) {
+    return rows.size() > 0 && std::any_of(columns_[island].begin(), columns_[island].end(), [&](const InputColumns& column) {
+             return column.value >= 0 && !rows.col(first + column.value + column.count - 1).isZero(0.0);
+           });
+  };
+  const auto mode_reads = [&](std::size_t island, const Mode& mode) {
+    return reads(island, mode.outputs, mode.n1) || reads(island, mode.flow.a().topRows(mode.n1), mode.n1) ||
+           reads(island, mode.guards, mode.n1) || (mode.constrained && reads(island, mode.lift, 0));
+  };
+  const auto segment_reads = [&](const LinearSegment& s) { return mode_reads(s.island, *s.mode); };
+  const auto change_reads = [&](const LinearChange& change) {
+    const Eigen::Index n = stacking_.count(change.island);
+    return std::any_of(change.by_way_of.begin(), change.by_way_of.end(),
+                       [&](const Mode* mode) { return mode->constrained && reads(change.island, mode->projector.topRows(n), n); });
+  };
+  return std::any_of(tail_.begin(), tail_.end(), segment_reads) ||
+         std::any_of(instants_.begin(), instants_.end(), [&](const LinearInstant& at) {
+           return std::any_of(at.segments.begin(), at.segments.end(), segment_reads) ||
+                  std::any_of(at.changes.begin(), at.changes.end(), change_reads);
+         });
 }
 
 void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<char>& on_before, const std::vector<Change>& changes) {
@@ -223,6 +254,11 @@ void LinearisedOrbit::take_guard(const Change& change, int number, LinearGuard& 
     if (column.value < 0) continue;
     instant.on_w[k] = -row[mode.n1 + column.value] / fall;
     instant.on_slope[k] = -row[mode.n1 + column.slope] / (fall * column.rate);
+    if (column.count <= 2) continue;
+    if (instant.on_derivatives.size() == 0) instant.on_derivatives = Matrix::Zero(static_cast<Eigen::Index>(inputs_), column.count - 2);
+    for (int order = 2; order < column.count; ++order)
+      instant.on_derivatives(static_cast<Eigen::Index>(k), order - 2) =
+          -row[mode.n1 + column.value + order] / (fall * std::pow(column.rate, order));
   }
 }
 

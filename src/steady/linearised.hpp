@@ -1,8 +1,8 @@
 #pragma once
 /// An orbit linearised with small inputs: the effect of segments and instants on a deviation of the state and on inputs w_k.
 ///
-/// Inputs are sources of value zero in the model (add_input), so that every matrix of the model has a column for w and one for w′: the effect of an input
-/// on a guard, a jump or an output comes from these columns only.
+/// Inputs are sources of value zero in the model, so that every matrix of the model has a column for w and one for w′ (add_input), or one for each derivative
+/// (add_small_input): the effect of an input on a guard, a jump or an output comes from these columns only.
 
 #include <optional>
 #include <string>
@@ -17,13 +17,16 @@ namespace pwlsim::steady {
 
 /// Adds such a source to the network and returns its number; add it to the forms that it changes.
 [[nodiscard]] int add_input(model::Network& network, const std::string& name);
+/// The same with all derivatives; `rate`: 1/s, of the fastest that it will be.
+[[nodiscard]] int add_small_input(model::Network& network, const std::string& name, double rate);
 /// Adds it to every form that reads this source, so that it has the same effects.
 void superpose_input(model::Network& network, int source, int input);
 
-/// Columns of an island's ζ for one input: w = ζ_value, w′ = rate·ζ_slope. −1: the island does not read it.
+/// Columns of an island's ζ for one input: w = ζ_value, w′ = rate·ζ_slope, w^(k) = rate^k·ζ_{value+k}. −1: the island does not read it.
 struct InputColumns {
   int value = -1, slope = -1;
   double rate = 1.0;
+  int count = 2;  ///< of columns
 };
 
 /// One island in one mode for a while.
@@ -38,6 +41,7 @@ struct LinearGuard {
   int island = -1;                     ///< whose deviation decides δt; −1: none
   Eigen::RowVectorXd on_state;         ///< of that island's ξ
   std::vector<double> on_w, on_slope;  ///< of each input and its derivative; empty: none moves it
+  Matrix on_derivatives;               ///< of each input and its further derivatives (inputs × derivatives); may be empty
   int level_switch = -1;               ///< whose threshold is passed; −1: none
   bool is_off_level = false;           ///< the threshold at which it opens
   double level_rate = 0.0;             ///< how fast its control passes, 1/s: a threshold that moves by a moves the instant by a/rate
@@ -77,6 +81,8 @@ class LinearisedOrbit {
   [[nodiscard]] const std::vector<LinearInstant>& instants() const { return instants_; }
   [[nodiscard]] const std::vector<LinearSegment>& tail() const { return tail_; }
   [[nodiscard]] std::size_t inputs() const { return inputs_; }
+  /// Whether anything reads the last derivative that an input has a column for: then it may follow further ones, too, which are not known. Of inputs with all derivatives.
+  [[nodiscard]] bool reads_last_derivative() const;
   [[nodiscard]] const InputColumns& columns(std::size_t island, std::size_t input) const { return columns_[island][input]; }
 
  private:

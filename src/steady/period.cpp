@@ -37,6 +37,7 @@ std::optional<Ratio> ratio_of(double ratio) {
 struct PeriodOf {
   double operator()(const Dc&) const { return 0.0; }
   double operator()(const Held&) const { return 0.0; }
+  double operator()(const SmallInput&) const { return 0.0; }
   double operator()(const Sin& f) const {
     if (f.amplitude == 0.0 || (f.frequency == 0.0 && f.damping == 0.0)) return 0.0;
     return f.damping == 0.0 && f.cycles == forever ? 1.0 / f.frequency : -1.0;
@@ -58,6 +59,7 @@ struct PeriodOf {
 struct Settled {
   SourceFunction operator()(const Dc& f) const { return f; }
   SourceFunction operator()(const Held& f) const { return f; }
+  SourceFunction operator()(const SmallInput& f) const { return f; }
   SourceFunction operator()(const Sin& f) const {
     if (PeriodOf{}(f) <= 0.0) return Dc{f.offset + (f.damping > 0.0 && f.cycles == forever ? 0.0 : f.amplitude * std::sin(f.phase))};
     Sin settled = f;

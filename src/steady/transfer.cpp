@@ -42,7 +42,7 @@ ComplexMatrix shifted(const Mode& mode, double omega) {
   return m;
 }
 
-/// Columns of the mode's matrix for inputs of these amplitudes: w and w′ = jωw.
+/// Columns of the mode's matrix for inputs of these amplitudes: w^(k) = (jω)^k w.
 template <class Rows>
 auto input_columns(const LinearisedOrbit& orbit, std::size_t island, const Rows& rows, int first, double omega,
                    const std::vector<Complex>& amplitudes) {
@@ -50,8 +50,9 @@ auto input_columns(const LinearisedOrbit& orbit, std::size_t island, const Rows&
   for (std::size_t k = 0; k < orbit.inputs(); ++k) {
     const InputColumns& column = orbit.columns(island, k);
     if (column.value < 0 || amplitudes[k] == 0.0) continue;
-    sum += amplitudes[k] * (rows.col(first + column.value).template cast<Complex>() +
-                            j * omega / column.rate * rows.col(first + column.slope).template cast<Complex>());
+    Complex derivative = amplitudes[k];
+    for (int order = 0; order < column.count; ++order, derivative *= j * omega / column.rate)
+      sum += derivative * rows.col(first + column.value + order).template cast<Complex>();
   }
   return sum;
 }
@@ -207,6 +208,10 @@ void Transfer::segment(const LinearSegment& s, Pass& pass) {
 Complex Transfer::guard_shift(const LinearGuard& guard, const Pass& pass) const {
   Complex delta = 0.0;
   for (std::size_t k = 0; k < guard.on_w.size(); ++k) delta += pass.amplitudes[k] * (guard.on_w[k] + j * pass.omega * guard.on_slope[k]);
+  for (Eigen::Index k = 0; k < guard.on_derivatives.rows(); ++k)
+    for (Eigen::Index order = 0; order < guard.on_derivatives.cols(); ++order)
+      delta += pass.amplitudes[static_cast<std::size_t>(k)] * std::pow(j * pass.omega, static_cast<int>(order) + 2) *
+               guard.on_derivatives(k, order);
   if (guard.island < 0) return delta;
   const Stacking& stacking = orbit_.stacking();
   const auto island = static_cast<std::size_t>(guard.island);

@@ -591,3 +591,59 @@ TEST_CASE("parts that pass their guards at one instant respond each by itself", 
     CHECK(std::abs(response(two, k, "v(o2)")) < 1e-12 * std::abs(response(one, k, "v(o1)")));
   }
 }
+
+namespace {
+
+/// v(b) = 1 ms·u′, and a capacitor across it: i(C1) = 1e-9 u″, which F1 sends into 1 kΩ, 500 Ω for 4 of 10 µs, and which moves the edge of S2 beside a sawtooth.
+std::string around_an_orbit(const std::string& more, const std::string& saved) {
+  return "derivatives\nV1 a 0 AC 1\nB1 b 0 V={1e-3*ddt(v(a))}\nC1 b 0 1u\nVg g 0 PULSE(0 1 0 0 0 4u 10u)\nB2 l 0 I={-i(C1)}\nR1 l 0 1k\n"
+         "S1 l k g 0 SX\nR2 k 0 1k\nVr r 0 PULSE(0 1 0 10u 0 0 10u)\nB3 m 0 V={0.5+1e-3*i(C1)}\nVin in 0 12\nS2 in w m r SY\nR3 w 0 1\n" +
+         more + ".model SX SW(Ron=0 Vt=0.5)\n.model SY SW(Ron=0 Vt=0)\n.save " + saved + "\n.pss\n" + list;
+}
+
+}  // namespace
+
+// R(t) has the mean 0.6·1 kΩ + 0.4·500 Ω, and the first harmonic −500 Ω (1 − e^{−0.8πj})/(2πj). The duty is what the sawtooth, 1 V a period, is compared with.
+TEST_CASE("a response around an orbit may follow the second derivative of its source, and the third", "[unit]") {
+  const Scratch scratch;
+  const std::string third = "B4 d 0 V={1e-3*ddt(v(b))}\nC2 d 0 1u\n", signals = "i(C1) v(l) v(w) i(C2)";
+  const Json mean = result_of(scratch, around_an_orbit(third, signals) + "\n.end\n");
+  const Json first = result_of(scratch, around_an_orbit(third, signals) + " harm=1\n.end\n");
+  const Complex resistance = -500.0 * (1.0 - std::exp(-0.8 * M_PI * j)) / (two_pi * j);
+  for (std::size_t k = 0; k < around.size(); ++k) {
+    const Complex s = j * two_pi * around[k], current = 1e-9 * s * s;
+    check_equal(response(mean, k, "i(C1)"), current, 1e-12);
+    check_equal(response(mean, k, "v(l)"), 800.0 * current, 1e-12);
+    check_equal(response(first, k, "v(l)"), resistance * current, 1e-12);
+    check_equal(response(mean, k, "v(w)"), 12e-3 * current, 1e-12);
+    check_equal(response(mean, k, "i(C2)"), 1e-12 * s * s * s, 1e-12);
+  }
+}
+
+// A capacitor on v(b) = 1 ms·u′ for 4 of 10 µs: it follows that, and is charged when it is connected from what v(b) was 6 µs before.
+TEST_CASE("a switch connects a capacitor to the derivative of a source", "[unit]") {
+  const Json result = result_of(Scratch{}, around_an_orbit("S3 b e g 0 SX\nC2 e 0 1u\n", "i(C2)") + "\n.end\n");
+  for (std::size_t k = 0; k < around.size(); ++k) {
+    const Complex s = j * two_pi * around[k], voltage = 1e-3 * s;
+    check_equal(response(result, k, "i(C2)"), 1e-6 * voltage * (s * 4e-6 + 1.0 - std::exp(-s * 6e-6)) / 1e-5, 1e-11);
+  }
+}
+
+// Five differentiations, a capacitor that a switch connects, and one that follows the current of that: 1e-42 u^(7) while both are.
+TEST_CASE("a response that follows too many derivatives of its source is refused", "[unit]") {
+  const Scratch scratch;
+  std::string chain = "B6 f1 0 V={1e-6*ddt(v(a))}\n";
+  for (int k = 2; k <= 5; ++k)
+    chain += "B" + std::to_string(5 + k) + " f" + std::to_string(k) + " 0 V={1e-6*ddt(v(f" + std::to_string(k - 1) + "))}\n";
+  chain += "S3 f5 e g 0 SX\nC3 e 0 1u\n";
+  const Json result = result_of(scratch, around_an_orbit(chain, "v(f5) i(C3)") + "\n.end\n");
+  for (std::size_t k = 0; k < around.size(); ++k) {
+    const Complex s = j * two_pi * around[k], voltage = std::pow(s * 1e-6, 5);
+    check_equal(response(result, k, "v(f5)"), voltage, 1e-11);
+    check_equal(response(result, k, "i(C3)"), 1e-6 * voltage * (s * 4e-6 + 1.0 - std::exp(-s * 6e-6)) / 1e-5, 1e-11);
+  }
+  scratch.write("deck.net", around_an_orbit(chain + "B20 h 0 V={i(C3)}\nS4 h k2 g 0 SX\nC4 k2 0 1u\n", "i(C4)") + "\n.end\n");
+  const Finished finished = run_in(scratch, {"deck.net"});
+  CHECK(finished.status != 0);
+  CHECK_THAT(finished.err, Contains("E-ac-no-derivative"));
+}

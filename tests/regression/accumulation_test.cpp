@@ -1,6 +1,8 @@
 /// Runs through infinitely many events (hard case 13, twisting).
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <string>
 
 #include "regression/deck_run.hpp"
 #include "regression/twisting.hpp"
@@ -45,6 +47,25 @@ TEST_CASE("case 13: the limit has a row before and after, at its time", "[hard]"
   CHECK(found == 2);
 }
 
+TEST_CASE("case 13 by segments, beside a passive part with events of its own: through the same limit, with the same rows", "[hard]") {
+  const std::string deck = twisting_deck("", "0.01 3"),
+                    more = "V1 s 0 SIN(0 1 0.7)\nD1 s r DI\nR1 r 0 1k\nC3 r 0 1m\n.model DI D(Ron=1)\n.save v(r)\n.end\n";
+  const DeckRun alone = run_text_segments(deck), beside = run_text_segments(deck.substr(0, deck.rfind(".end")) + more);
+  for (const DeckRun* run : {&alone, &beside}) {
+    INFO(run->messages << run->answer.message);
+    REQUIRE(run->answer.outcome == engine::Outcome::completed);
+    CHECK(run->answer.statistics.accumulations == 1);
+    CHECK(run->answer.statistics.events < 100);
+    REQUIRE(run->rows.size() == 301);
+    for (const auto& row : run->rows) {
+      INFO("t = " << row[0]);
+      const Place expected = twisted(row[0]);
+      CHECK(std::abs(row[1] - expected.x) <= exact);
+      CHECK(std::abs(row[2] - expected.v) <= exact);
+    }
+  }
+}
+
 // With a term -0.3 v the times between events shrink by a ratio that only tends to 1/3. The limit is from 200 turns of the closed form
 // v = f/k + (v0 - f/k) e^(-k t) between events, with 60 digits (mpmath).
 TEST_CASE("case 13 with friction: the ratio is not constant", "[hard]") {
@@ -54,10 +75,21 @@ TEST_CASE("case 13 with friction: the ratio is not constant", "[hard]") {
   double last = 0.0;
   for (std::size_t i = 1; i < run.rows.size(); ++i)
     if (run.rows[i][0] == run.rows[i - 1][0]) last = run.rows[i][0];
-  constexpr double crossing_error = 1e-11;  // of the limit, which is found a millionth of the run ahead
-  CHECK(last == Approx(1.9795625684615682159).epsilon(0).margin(crossing_error));
+  constexpr double crossing_error = 1e-11, limit = 1.9795625684615682159;  // of the limit, which is found a millionth of the run ahead
+  CHECK(last == Approx(limit).epsilon(0).margin(crossing_error));
   CHECK(std::abs(run.rows.back()[1]) <= exact);
   CHECK(std::abs(run.rows.back()[2]) <= exact);
+  const DeckRun segments = run_text_segments(twisting_deck(" - 0.3*V(v)", "0.25 3"));
+  INFO(segments.messages << segments.answer.message);
+  REQUIRE(segments.answer.outcome == engine::Outcome::completed);
+  REQUIRE(segments.answer.statistics.accumulations == 1);
+  const auto remark = std::find_if(segments.answer.remarks.begin(), segments.answer.remarks.end(),
+                                   [](const engine::Remark& each) { return each.id == "N-accumulation"; });
+  REQUIRE(remark != segments.answer.remarks.end());
+  constexpr double told_error = 1e-9;  // from a group of events earlier, as nearer ones have fewer digits there
+  CHECK(std::stod(remark->text.substr(remark->text.find("= ") + 2)) == Approx(limit).epsilon(0).margin(told_error));
+  CHECK(std::abs(segments.rows.back()[1]) <= exact);
+  CHECK(std::abs(segments.rows.back()[2]) <= exact);
 }
 
 // The spring of the first term only acts beyond 3e-5: the motion comes to rest inside the play after finitely many events, however long the run.
@@ -97,12 +129,13 @@ TEST_CASE("a jump at the start tells what was before the source stepped", "[unit
 }
 
 TEST_CASE("a run that ends, or a source that moves, before the limit follows the events", "[unit]") {
-  const DeckRun run = run_text(twisting_deck("", "0.01 2.1"));
-  REQUIRE(run.answer.outcome == engine::Outcome::completed);
-  CHECK(run.answer.statistics.accumulations == 0);
-  const Place expected = twisted(2.1);
-  CHECK(std::abs(run.rows.back()[1] - expected.x) <= exact);
-  CHECK(std::abs(run.rows.back()[2] - expected.v) <= exact);
+  for (const DeckRun& run : {run_text(twisting_deck("", "0.01 2.1")), run_text_segments(twisting_deck("", "0.01 2.1"))}) {
+    REQUIRE(run.answer.outcome == engine::Outcome::completed);
+    CHECK(run.answer.statistics.accumulations == 0);
+    const Place expected = twisted(2.1);
+    CHECK(std::abs(run.rows.back()[1] - expected.x) <= exact);
+    CHECK(std::abs(run.rows.back()[2] - expected.v) <= exact);
+  }
 }
 
 // Events closer than 1e-14 of the run are one instant: a gate's pulse of 1e-15 s in a run of 1 s has no effect, a hundred of them do not accumulate, and nothing

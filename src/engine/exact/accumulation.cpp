@@ -1,5 +1,7 @@
 #include "engine/exact/accumulation.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -15,11 +17,28 @@ constexpr double largest_ratio = 0.95;
 
 }  // namespace
 
-void AccumulationWatch::note(double time, const model::Mode& mode, const double* x, int n) {
+bool AccumulationWatch::Limit::is_near(double at) const {
+  const double ahead = time - at;
+  if (!(ahead > 0.0) || uncertainty > tolerance::known_limit * ahead) return false;
+  const bool known_exactly = uncertainty <= tolerance::limit * time;
+  // Nearer to it the events would have no digits. It is known as well as it has to be from nearer on.
+  const bool is_last = doubt > tolerance::lost_event * last && uncertainty <= tolerance::known_limit * tolerance::last_crossing * span;
+  return ahead <= (known_exactly || is_last ? tolerance::crossing : tolerance::last_crossing) * span;
+}
+
+Remark AccumulationWatch::remark(const Limit& limit, const std::vector<std::string>& names, double least) const {
+  return {"N-accumulation",
+          fmt::format("events accumulate at t = {} s in the part with {}: after {} of them, with each group of {} taking "
+                      "{:.6g} of the time of the one before, the run continues from their limit (known to {:.1g} s)",
+                      limit.time, fmt::join(names, ", "), events(), limit.period, limit.ratio, std::max(limit.uncertainty, least))};
+}
+
+void AccumulationWatch::note(double time, std::uintptr_t mode, const double* x, int n, double doubt) {
   if (events_.empty()) events_.resize(kept);
   Event& event = events_[count_++ % kept];
   event.time = time;
-  event.mode = &mode;
+  event.doubt = doubt;
+  event.mode = mode;
   event.xi = Eigen::Map<const linalg::Vector>(x, n);
 }
 
@@ -58,6 +77,8 @@ std::optional<AccumulationWatch::Limit> AccumulationWatch::limit() {
     if (!shrinking_) begin_ = back(shrinking_intervals + 2 * p - 1).time;
     shrinking_ = true;
     limit.span = limit.time - begin_;
+    limit.last = back(0).time - back(p).time;
+    for (int i = 0; i < p; ++i) limit.doubt = std::max(limit.doubt, back(i).doubt);
     limit.uncertainty = std::abs(limit.time - limit_time(p, p));
     const auto& last = back(0).xi;
     const auto& before = back(p).xi;

@@ -7,10 +7,11 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "engine/run.hpp"
 #include "linalg/dense.hpp"
-#include "model/mode.hpp"
 
 namespace pwlsim::engine {
 
@@ -22,11 +23,16 @@ class AccumulationWatch {
     int period = 0;            ///< p
     double uncertainty = 0.0;  ///< change of t* by the last p events, s
     double span = 0.0;         ///< from the first event of the sequence to t*, s
+    double last = 0.0;         ///< time that the last p events took, s
+    double doubt = 0.0;        ///< rounding of their times, s
     linalg::Vector xi;         ///< states there
+
+    /// Whether the run may go on from it after an event at `time`: it is near, and known well enough.
+    [[nodiscard]] bool is_near(double time) const;
   };
 
-  /// An event of the island's own at `time`, with the mode and the n states ξ after it.
-  void note(double time, const model::Mode& mode, const double* x, int n);
+  /// An event of the island's own at `time`, with a number of the mode and the n states ξ after it. `doubt`: rounding of its time, where that may be more than that of the run's length.
+  void note(double time, std::uintptr_t mode, const double* x, int n, double doubt = 0.0);
   /// An event from outside: earlier events no longer count.
   void reset() {
     count_ = 0;
@@ -35,11 +41,13 @@ class AccumulationWatch {
   /// The limit of the last events, if they accumulate.
   [[nodiscard]] std::optional<Limit> limit();
   [[nodiscard]] std::uint64_t events() const { return count_; }
+  /// N-accumulation, in a part with these elements; `least`: no time is known better, s.
+  [[nodiscard]] Remark remark(const Limit& limit, const std::vector<std::string>& names, double least) const;
 
  private:
   struct Event {
-    double time = 0.0;
-    const model::Mode* mode = nullptr;
+    double time = 0.0, doubt = 0.0;
+    std::uintptr_t mode = 0;
     linalg::Vector xi;
   };
   static constexpr std::uint64_t kept = 32;

@@ -54,7 +54,7 @@ void ExactRun::watch_accumulation(const Instant& instant) {
       watch.reset();
       continue;
     }
-    watch.note(time, *island.mode, island.x.data(), island.system().n);
+    watch.note(time, reinterpret_cast<std::uintptr_t>(island.mode), island.x.data(), island.system().n);
     const auto limit = watch.limit();
     if (limit && may_cross(island, *limit, time)) cross(island, *limit);
   }
@@ -62,10 +62,7 @@ void ExactRun::watch_accumulation(const Instant& instant) {
 
 /// Near enough to the limit, which is well known, and nothing else happens before it: no row, no source edge, no event elsewhere.
 bool ExactRun::may_cross(const IslandRun& island, const AccumulationWatch::Limit& limit, double time) {
-  const double ahead = limit.time - time;
-  const bool known_exactly = limit.uncertainty <= tolerance::limit * limit.time;
-  if (!(ahead > 0.0) || ahead > (known_exactly ? tolerance::crossing : tolerance::last_crossing) * limit.span) return false;
-  if (limit.uncertainty > tolerance::known_limit * ahead) return false;
+  if (!limit.is_near(time)) return false;
   if (limit.time >= request_.stop || (rows_.next_time() > time + tolerance_ && rows_.next_time() < limit.time - tolerance_)) return false;
   for (const model::Clock& clock : clocks_)
     if (clock.next().time <= limit.time) return false;
@@ -77,12 +74,7 @@ bool ExactRun::may_cross(const IslandRun& island, const AccumulationWatch::Limit
 }
 
 void ExactRun::cross(IslandRun& island, const AccumulationWatch::Limit& limit) {
-  const std::vector<std::string> names = all_names(island.system());
-  answer_.remarks.push_back(
-      {"N-accumulation", fmt::format("events accumulate at t = {} s in the part with {}: after {} of them, with each group of {} taking "
-                                     "{:.6g} of the time of the one before, the run continues from their limit (known to {:.1g} s)",
-                                     limit.time, fmt::join(names, ", "), island.accumulation().events(), limit.period, limit.ratio,
-                                     std::max(limit.uncertainty, tolerance_))});
+  answer_.remarks.push_back(island.accumulation().remark(limit, all_names(island.system()), tolerance_));
   ++answer_.statistics.accumulations;
   island.go_to_limit(limit);
   island.accumulation().reset();

@@ -34,6 +34,9 @@ inline constexpr double crossing = 1e-4;
 /// Of: the same, if the limit is known to a fraction of the time before it.
 /// Why: nearer to it, rounding affects states that shrink with the square of the time.
 inline constexpr double last_crossing = 1e-5;
+/// Of: the time that a group of events takes, for the rounding of their times.
+/// Why: the next groups, whose guards shrink with the square of their time, would have a digit less each.
+inline constexpr double lost_event = 1e-3;
 /// Of: the time of the limit.
 /// Why: 450 units of rounding: the limit is known.
 inline constexpr double limit = 1e-13;

@@ -111,6 +111,10 @@ class ExactSegment {
   [[nodiscard]] double guard_rate(int guard, const std::vector<double>& y) const;
   /// Guards of ports that are at zero at y, to rounding, and fall.
   [[nodiscard]] std::vector<int> falling_guards(const std::vector<double>& y) const;
+  /// How well the time is known at which a guard passes zero at y, s.
+  [[nodiscard]] double time_doubt(int guard, const std::vector<double>& y) const {
+    return rounding_of(guard, y) / std::abs(guard_rate(guard, y));
+  }
   /// The largest √energy so far.
   [[nodiscard]] double size() const { return size_; }
 

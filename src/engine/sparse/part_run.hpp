@@ -16,6 +16,7 @@
 #include <span>
 #include <unordered_set>
 
+#include "engine/exact/accumulation.hpp"
 #include "engine/remarks.hpp"
 #include "engine/sparse/controls.hpp"
 #include "engine/sparse/exact_segment.hpp"
@@ -116,6 +117,8 @@ class PartRun {
   [[nodiscard]] double damped() const { return damped_; }
   /// The controls in relation to their thresholds.
   [[nodiscard]] std::vector<Remark> threshold_remarks();
+  /// Limits of infinitely many events from which it went on.
+  [[nodiscard]] const std::vector<Remark>& limits() const { return limit_remarks_; }
   /// Whether the start contradicted the network.
   [[nodiscard]] bool start_projected() const { return start_projected_; }
 
@@ -240,6 +243,9 @@ class PartRun {
   [[nodiscard]] double resolved_until(double tau);
   [[nodiscard]] bool is_resolved(double from, double to);
   void finish_instant(const Instant& instant);
+  void watch_accumulation(const Beginning& beginning, const Instant& instant, int passed);
+  [[nodiscard]] bool may_go_to(const AccumulationWatch::Limit& limit) const;
+  void go_to_limit();
 
   // part_run_jumps.cpp: their jumps
   Sought take_jump_of(const Point& step, double h);
@@ -319,6 +325,10 @@ class PartRun {
   bool starting_ = false, restart_due_ = false, finished_ = false, start_projected_ = false, rejected_ = false;
   double moved_ = 0.0, motion_left_ = 0.0, damped_ = 0.0;
   Crowd crowd_;
+  AccumulationWatch accumulation_;
+  double passage_doubt_ = 0.0;                     ///< of the time of the last passage of a port, s
+  std::optional<AccumulationWatch::Limit> limit_;  ///< where the segment at hand ends
+  std::vector<Remark> limit_remarks_;
   Attempts absorbing_;
   int standing_ = 0, standing_limit_ = 32;  ///< steps accepted in a row without a longer one, and how many are enough to try
   std::uint64_t steps_ = 0, events_ = 0, jumps_ = 0, openings_ = 0, most_openings_ = 0;

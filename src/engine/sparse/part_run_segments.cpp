@@ -29,12 +29,15 @@ void PartRun::note_least_voltage() {
 
 bool PartRun::begin_segment() {
   const double time = point_.time;
+  if (limit_) point_.z.assign(limit_->xi.begin(), limit_->xi.end());
+  limit_.reset();
   Instant instant = begin_instant();
   for (const Gate& gate : gates_)
     if (!position_ahead_.empty()) position_ahead_[gate.port()] = point_.on[gate.port()];
   if (!starting_) descriptor_.measure_states(point_.z.data(), states_);
   const Beginning beginning{point_.on, instant};
   const std::vector<double> states = states_, z = point_.z;
+  const int passed = passing_;
   ties_->note_input_terms(segment_->input_terms());
   segment_->note_passing(passing_);
   segment_->note_instant(time, position_before_, z);
@@ -62,6 +65,7 @@ bool PartRun::begin_segment() {
   if (records_) record_begin(next);
   settle_in(next);
   finish_instant(instant);
+  watch_accumulation(beginning, instant, passed);
   const bool goes_on = watch_crowd(time);
   position_before_.clear();
   return goes_on;
@@ -76,6 +80,52 @@ void PartRun::finish_instant(const Instant& instant) {
   }
   if (instant.time == 0.0) start_projected_ = instant.jump;
   starting_ = false;
+}
+
+/// As ExactRun::watch_accumulation: in a passive part no events accumulate ahead, and what sources or switches do infinitely often has no limit.
+void PartRun::watch_accumulation(const Beginning& beginning, const Instant& instant, int passed) {
+  if (passive_ || records_ != nullptr || instant.time == 0.0) return;
+  if (passed < 0 && !instant.happened()) return;  // the segment before could go no farther
+  const auto switches = descriptor_.first_switch();
+  const bool is_own = passed >= 0 && passed < switches && !beginning.instant.source_edge && !beginning.instant.mode_change &&
+                      std::equal(point_.on.begin() + switches, point_.on.end(), position_before_.begin() + switches);
+  if (!is_own) return accumulation_.reset();
+  accumulation_.note(instant.time, std::hash<std::string_view>()({point_.on.data(), point_.on.size()}), point_.z.data(), descriptor_.size(),
+                     passage_doubt_);
+  const auto limit = accumulation_.limit();
+  if (!limit || !may_go_to(*limit)) return;
+  std::vector<std::string> names;
+  for (const DescriptorPort& port : descriptor_.ports())
+    if (names.empty() || names.back() != port.name) names.push_back(port.name);
+  limit_remarks_.push_back(accumulation_.remark(*limit, names, tolerance_));
+  limit_ = limit;
+  accumulation_.reset();
+}
+
+/// Whether nothing else happens before it: no row, no edge of a source or gate; the segment at hand reaches it.
+bool PartRun::may_go_to(const AccumulationWatch::Limit& limit) const {
+  if (!limit.is_near(point_.time) || limit.time >= std::min(next_break(), request_.stop)) return false;
+  if (limit.time - segment_->start() > segment_->length()) return false;
+  const RowGrid& grid = request_.grid;
+  std::uint64_t first = 0, last = grid.rows;  // the first row behind the event
+  while (first < last) {
+    const std::uint64_t middle = first + (last - first) / 2;
+    if (grid.time(middle) > point_.time + tolerance_)
+      last = middle;
+    else
+      first = middle + 1;
+  }
+  return first == grid.rows || !(grid.time(first) < limit.time - tolerance_);
+}
+
+/// The segment at hand goes on past the events that are left, as what they change of the states until then is nothing.
+void PartRun::go_to_limit() {
+  Point next = point_of_segment(limit_->time - segment_->start(), limit_->time);
+  settle_in(next);
+  segment_tau_ = limit_->time - segment_->start();
+  restart_due_ = true;
+  position_before_ = point_.on;
+  last_guard_ = passing_ = -1;
 }
 
 Point PartRun::point_of_segment(double tau, double time) {
@@ -93,6 +143,10 @@ bool PartRun::is_same_instant(double a, double b) const { return std::abs(a - b)
 
 /// To the next passage, the next known instant, or as far as the segment reaches; with probes no farther than they are polynomials.
 bool PartRun::follow_segment() {
+  if (limit_) {
+    go_to_limit();
+    return true;
+  }
   const double limit = std::min(next_break(), request_.stop);
   const ExactSegment::Passage& passage = segment_->locate(limit - segment_->start());
   const double tau = request_.probes.sink != nullptr ? resolved_until(passage.tau) : passage.tau;
@@ -225,6 +279,7 @@ void PartRun::pass(const ExactSegment::Passage& passage) {
     if (passes_with || passes_too(i, y, slope)) position_ahead_[controls_[i].port] ^= 1;
   }
   if (guard < ports) {
+    if (!passive_) passage_doubt_ = segment_->time_doubt(passage.guard, y);
     point_.on[guard] ^= 1;
     position_ahead_[guard] ^= 1;
   }

@@ -68,6 +68,7 @@ double largest_value(const model::SourceFunction& function, double stop) {
     double operator()(const model::Pulse& f) const { return largest_on(model::make_track(f), stop); }
     double operator()(const model::Pwl& f) const { return largest_on(model::make_track(f), stop); }
     double operator()(const model::Exp& f) const { return std::max(std::abs(f.v1), std::abs(f.v2)); }
+    double operator()(const model::SmallInput&) const { return 0.0; }
   };
   return std::visit(Bound{stop}, function);
 }

@@ -320,6 +320,9 @@ void SparseRun::finish() {
     const auto& jumps = track->run.jumps();
     answer_.jumps.insert(answer_.jumps.end(), jumps.begin(), jumps.end());
     for (Remark& remark : track->run.threshold_remarks()) answer_.remarks.push_back(std::move(remark));
+    const std::vector<Remark>& limits = track->run.limits();
+    answer_.remarks.insert(answer_.remarks.end(), limits.begin(), limits.end());
+    answer_.statistics.accumulations += limits.size();
     const Certificate own = track->run.certificate().check();
     c.complementarity = std::max(c.complementarity, own.complementarity);
     c.kcl_kvl = std::max(c.kcl_kvl, own.kcl_kvl);

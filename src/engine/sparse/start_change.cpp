@@ -11,6 +11,7 @@ linalg::Vector after_step(const model::Exosystem& exosystem, double step, const 
   linalg::Vector result = zeta;
   for (const auto& block : exosystem.blocks()) {
     const int i = block.first, n = block.size();
+    if (block.kind == model::Exosystem::Block::Kind::small_input) continue;  // zero
     if (n == 1) {
       result[i] = zeta[i] / (1.0 - step * exosystem.a()(i, i));
       continue;
