@@ -97,6 +97,25 @@ TEST_CASE("a step without its estimated error is of order 3, and as stable", "[u
   CHECK(error[0] / error[1] == Approx(16.0).epsilon(0.1));
 }
 
+// zᵀ E z is twice the stored energy, R0 (C v² + L i²), which is what the certificate's balance is made of.
+TEST_CASE("the energy does not depend on whether a capacitor's current is an unknown", "[unit]") {
+  constexpr double farads = 2.0, henries = 3.0, volts = 5.0, amperes = -7.0;
+  const bool is_read = GENERATE(false, true);
+  TestCircuit c;
+  const int capacitor = c.c("a", "b", farads);
+  c.l("a", "b", henries);
+  c.r("a", "0", 4.0);
+  c.r("b", "0", 11.0);
+  if (is_read) c.network().signals.push_back({"i(C)", {{model::Term::Kind::capacitor_current, capacitor, 1.0}}});
+  Rig rig(c.network());
+  rig.set_states({volts, rig.descriptor.r0() * amperes});
+  if (is_read) rig.point.z[static_cast<std::size_t>(rig.descriptor.unknowns().capacitor(0))] = 1e3;  // the energy does not read it
+  std::vector<double> memory(rig.point.z.size());
+  rig.descriptor.memory(rig.point.z.data(), memory.data());
+  CHECK(rig.descriptor.product(rig.point.z, memory) ==
+        Approx(rig.descriptor.r0() * (farads * volts * volts + henries * amperes * amperes)).epsilon(rounding));
+}
+
 // |R(iy) − e(iy)/(1 − iy d)²| is one at most, for every y: no step gives a tank energy.
 TEST_CASE("a step without its estimated error gives a tank no energy", "[unit]") {
   TestCircuit c;

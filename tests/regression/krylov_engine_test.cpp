@@ -333,3 +333,16 @@ TEST_CASE("a switch whose opening leaves a current to a diode stays open by Kryl
   CHECK(runs.segments.answer.statistics.events == runs.modes.answer.statistics.events);
   CHECK(largest_difference(runs.modes, runs.segments) <= agreement);
 }
+
+// A space of all 32 states holds every motion of them; one of fewer takes a vector for each 0.7 radians of the fastest (2/sqrt(LC) = 63 radians per µs) and some twelve more, so that a
+// segment of 40 radians takes one a radian. Lengths failed again and again with a step that the position had for far shorter ones: eight a radian.
+TEST_CASE("a line without loss takes few vectors by Krylov segments", "[regression]") {
+  constexpr double agreement = 1e-9, henries = 1e-6, farads = 1e-9, stop = 50e-6, most_of_a_radian = 2.0;
+  constexpr int sections = 16;
+  std::string deck = "line\nV1 x0 0 1\n";
+  for (int k = 1; k <= sections; ++k) deck += fmt::format("L{0} x{1} x{0} {2}\nC{0} x{0} 0 {3}\n", k, k - 1, henries, farads);
+  deck += fmt::format("D1 x{} c DI\nVC c 0 0.8\n.model DI D(Ron=10m Roff=1meg Vfwd=0.7)\n.tran 1u {} uic\n", sections, stop);
+  const BothRuns runs = run_both(deck);
+  CHECK(largest_difference(runs.modes, runs.segments) <= agreement);
+  CHECK(runs.segments.answer.statistics.klu_solves <= most_of_a_radian * stop * 2.0 / std::sqrt(henries * farads));
+}

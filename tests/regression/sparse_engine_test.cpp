@@ -194,3 +194,14 @@ TEST_CASE("a thyristor bridge runs where a gate is on and nothing can flow", "[r
     CHECK(apart <= 100.0 * 1e-6 * largest);
   }
 }
+
+// The balance had i q in place of v q where a capacitor's current is an unknown: 0.08, and W-certificate.
+TEST_CASE("a saved current of a capacitor leaves the certificate of the sparse engine as it is", "[regression]") {
+  constexpr double reltol = 1e-4, agreement = 1e-9;
+  const std::string cards = "t\nV1 s 0 SIN(0 10 1k)\nR1 s a 100\nL1 a b 10m\nD1 b c DI\nC1 c 0 1u ic=1\nR2 c 0 5k\n.model DI D(Ron=1m)\n";
+  const DeckRun without = run_text_sparse(cards + ".save v(c)\n.tran 1u 3m uic\n", reltol);
+  const DeckRun with = run_text_sparse(cards + ".save v(c) i(C1)\n.tran 1u 3m uic\n", reltol);
+  REQUIRE(with.answer.outcome == pwlsim::engine::Outcome::completed);
+  CHECK(with.answer.certificate.energy == Approx(without.answer.certificate.energy).epsilon(agreement));
+  CHECK(with.answer.certificate.energy <= 10.0 * reltol);
+}

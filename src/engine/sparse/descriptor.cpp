@@ -168,6 +168,7 @@ void Descriptor::scale_complementarities() {
 
 void Descriptor::add_stores() {
   Stamps stamps(*this);
+  capacitor_of_row_.assign(static_cast<std::size_t>(size()), -1);
   for (std::size_t i = 0; i < network_.capacitors.size(); ++i) {
     const auto& c = network_.capacitors[i];
     const double e = r0_ * c.capacitance;
@@ -175,6 +176,7 @@ void Descriptor::add_stores() {
     const int own = unknowns_.capacitor(i);
     states_.push_back({c.p, c.n, false, c.capacitance});
     if (own >= 0) {
+      capacitor_of_row_[static_cast<std::size_t>(own)] = static_cast<int>(i);
       stamps.kcl(c.p, c.n, own, 1.0);
       stamps.entry(own, own, 0.0, -1.0);
     }
@@ -366,7 +368,27 @@ std::vector<double> Descriptor::memory_diagonal() const {
   for (std::size_t j = 0; j < result.size(); ++j)
     for (int e = memory_.pattern.start[j]; e < memory_.pattern.start[j + 1]; ++e)
       if (memory_.pattern.row[static_cast<std::size_t>(e)] == static_cast<int>(j)) result[j] += memory_.values[static_cast<std::size_t>(e)];
+  for (std::size_t row = 0; row < result.size(); ++row)
+    if (const int i = capacitor_of_row_[row]; i >= 0) result[row] = r0_ * network_.capacitors[static_cast<std::size_t>(i)].capacitance;
   return result;
+}
+
+/// The error of a capacitor's current is one of the charge that flows from node to node: it counts with the voltage between them.
+double Descriptor::weight(const std::vector<double>& a, std::size_t row) const {
+  const int i = capacitor_of_row_[row];
+  return i >= 0 ? states_[static_cast<std::size_t>(i)].value(a.data()) : sets_.weight(a, row);
+}
+
+double Descriptor::product(const std::vector<double>& a, const std::vector<double>& y) const {
+  double sum = 0.0;
+  for (std::size_t row = 0; row < y.size(); ++row) sum += weight(a, row) * y[row];
+  return sum;
+}
+
+double Descriptor::largest_product(const std::vector<double>& a, const std::vector<double>& y) const {
+  double sum = 0.0;
+  for (std::size_t row = 0; row < y.size(); ++row) sum += std::abs(weight(a, row) * y[row]);
+  return sum;
 }
 
 void Descriptor::add_sources(const double* w, double* k) const {

@@ -156,7 +156,7 @@ class Descriptor {
   void memory_sizes(const double* z, double* sizes) const { linalg::multiply_absolute(memory_.pattern, memory_.values, z, sizes); }
   /// Rows of E that hold anything.
   [[nodiscard]] std::vector<char> differential_rows() const;
-  /// The diagonal of E.
+  /// The diagonal of E; where a row gives a capacitor's current, its capacitance.
   [[nodiscard]] std::vector<double> memory_diagonal() const;
   /// |G| |z| + |H| |w| + |g|.
   void rate_sizes(const double* z, const double* w, double* sizes) const;
@@ -179,14 +179,13 @@ class Descriptor {
   [[nodiscard]] Form form(const model::LinearForm& terms) const;
   /// "node out", "the current of V1"
   [[nodiscard]] std::string unknown_name(int index) const;
-  /// aᵀ y with y in rows of this descriptor, as if no row were that of a floating set.
-  [[nodiscard]] double product(const std::vector<double>& a, const std::vector<double>& y) const { return sets_.product(a, y); }
+  /// aᵀ y with y in rows of this descriptor, as if no row were that of a floating set and no capacitor's current an unknown.
+  [[nodiscard]] double product(const std::vector<double>& a, const std::vector<double>& y) const;
   /// What it is at most, y being sizes.
-  [[nodiscard]] double largest_product(const std::vector<double>& a, const std::vector<double>& y) const {
-    return sets_.largest_product(a, y);
-  }
+  [[nodiscard]] double largest_product(const std::vector<double>& a, const std::vector<double>& y) const;
 
  private:
+  [[nodiscard]] double weight(const std::vector<double>& a, std::size_t row) const;
   [[nodiscard]] std::vector<double> node_admittances(double shift) const;
   [[nodiscard]] std::vector<double> at_ports(const std::vector<double>& of_nodes) const;
   void choose_scale();
@@ -227,6 +226,7 @@ class Descriptor {
   std::vector<DescriptorPort> ports_;
   std::vector<double> conductance_at_port_;
   std::vector<State> states_;
+  std::vector<int> capacitor_of_row_;  ///< whose current the row gives; −1: none
 };
 
 }  // namespace pwlsim::engine::sparse

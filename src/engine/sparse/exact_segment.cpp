@@ -26,6 +26,7 @@ constexpr double ladder = 4.0;              ///< of γ, so that factors serve ag
 constexpr double usual_turn = 0.5;          ///< radians of the fastest oscillation in γ
 constexpr double most_turn = 6.0;           ///< where it turns by more, S forgets it in digits that are not there
 constexpr double near = 8.0;                ///< a shift that a position has already serves within this factor
+constexpr double nearer = 0.9;              ///< of the distance of another shift, in logarithms
 constexpr double first_share = 1.0 / 64.0;  ///< of the run: a first segment
 constexpr double longer_than_last = 1.3;    ///< a segment is made for this much more than the last in its position
 constexpr double longer_than_end = 2.0;     ///< or that, where nothing ended it
@@ -109,27 +110,43 @@ double ExactSegment::usual_length(const Position& on, double longest) const {
 /// Whether a guard has no sign because the segment is as short as the last one in its position was: in a short one rates are rounding that a longer one tells from zero.
 bool ExactSegment::is_undecided_by_habit(double longest) {
   Habit& habit = habits_[key_];
-  if (share_ < 1.0 || habit.stays_undecided || !(near * habit.length < std::min(longest, first_length()))) return false;
+  const double longer = std::min(longest, first_length());
+  if (share_ < 1.0 || habit.stays_undecided || !(near * habit.length < longer) || longer >= habit.refused) return false;
   const bool is_undecided =
       std::any_of(segment_.departures.begin(), segment_.departures.end(), [](const auto& departure) { return departure.order < 0; });
   if (!(habit.length > 0.0)) habit.stays_undecided = is_undecided;
   return is_undecided && habit.length > 0.0;
 }
 
+double ExactSegment::wanted_shift(double length) const {
+  return shift_factor_ * std::max((has_all_decays_ ? steps_for_decays : steps_of_length) / length, habits_.at(key_).turning / usual_turn);
+}
+
+/// 1/γ of a rung.
+double ExactSegment::rung_for(double length) const {
+  return shift_factor_ * std::pow(ladder, std::round(std::log(wanted_shift(length) / shift_factor_) / std::log(ladder)));
+}
+
 /// 1/γ of a rung, or one that the position has a factor for.
 double ExactSegment::shift_for(double length) {
-  Habit& habit = habits_[key_];
-  const double wanted =
-      shift_factor_ * std::max((has_all_decays_ ? steps_for_decays : steps_of_length) / length, habit.turning / usual_turn);
-  auto& shifts = habit.shifts;
+  auto& shifts = habits_[key_].shifts;
+  const double wanted = wanted_shift(length);
   double best = 0.0;
   for (const double shift : shifts)
     if (std::abs(std::log(shift / wanted)) <= std::log(near) &&
         (best == 0.0 || std::abs(std::log(shift / wanted)) < std::abs(std::log(best / wanted))))
       best = shift;
   if (best > 0.0) return best;
-  shifts.push_back(shift_factor_ * std::pow(ladder, std::round(std::log(wanted / shift_factor_) / std::log(ladder))));
+  shifts.push_back(rung_for(length));
   return shifts.back();
+}
+
+/// Where a length fails with a shift that was there: the shift of its own rung serves from now on, if it is nearer to what the length wants. False: it is not.
+bool ExactSegment::takes_own_shift(double length, double failed) {
+  const double wanted = wanted_shift(length), own = rung_for(length);
+  if (!(std::abs(std::log(own / wanted)) < nearer * std::abs(std::log(failed / wanted)))) return false;
+  habits_[key_].shifts.push_back(own);
+  return true;
 }
 
 /// Grows the space until the estimate is within the tolerance over all of length_, or vectors are nothing but rounding and it is not far from that. False:
@@ -325,9 +342,12 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start, 
         continue;
       }
       stretch(start.longest);
+      note_attempt(length_, true);
       return Opened::yes;
     }
-    if (shift_for(length) == shift) length *= ratio;  // else it has learnt of decays of all rates
+    if (shift_for(length) != shift || takes_own_shift(length, shift)) continue;  // it may have learnt of decays of all rates
+    note_attempt(length, false);
+    length *= ratio;
   }
   return Opened::unresolved;
 }
@@ -493,7 +513,19 @@ void ExactSegment::accept() {
 
 void ExactSegment::note_event(double tau) { habits_[key_].length = std::max(longer_than_last * tau, tolerance::shortest_segment * stop_); }
 
-void ExactSegment::note_end(double tau) { habits_[key_].length = longer_than_end * tau; }
+/// A length that could not be made is tried less and less often.
+void ExactSegment::note_end(double tau) {
+  Habit& habit = habits_[key_];
+  const double longer = longer_than_end * tau;
+  habit.length = longer < habit.refused || habit.attempts.is_due() ? longer : tau;
+}
+
+void ExactSegment::note_attempt(double length, bool success) {
+  Habit& habit = habits_[key_];
+  if (success ? length < habit.refused : length > habit.refused) return;
+  habit.refused = success ? INFINITY : length;
+  habit.attempts.note(success);
+}
 
 void ExactSegment::mute(int guard) {
   double& factor = muted_.try_emplace(guard, 1.0).first->second;

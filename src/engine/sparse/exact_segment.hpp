@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/exact/locator.hpp"
+#include "engine/sparse/attempts.hpp"
 #include "engine/sparse/controls.hpp"
 #include "engine/sparse/krylov_bound.hpp"
 #include "engine/sparse/krylov_space.hpp"
@@ -181,6 +182,8 @@ class ExactSegment {
  private:
   struct Habit {
     double length = 0.0, turning = 0.0;  ///< s, and radians per s
+    double refused = INFINITY;           ///< the shortest length that could not be made, s
+    Attempts attempts;                   ///< of such lengths
     int vectors = 0;                     ///< that its next segment is expected to need
     std::vector<double> shifts;
     bool refines = false;          ///< solutions are corrected by their residuals
@@ -188,7 +191,11 @@ class ExactSegment {
     bool is_regular = false;       ///< it has had a factor without ε
   };
   [[nodiscard]] static std::string key(const Position& on) { return {on.begin(), on.end()}; }
+  [[nodiscard]] double wanted_shift(double length) const;
+  [[nodiscard]] double rung_for(double length) const;
   [[nodiscard]] double shift_for(double length);
+  bool takes_own_shift(double length, double failed);
+  void note_attempt(double length, bool success);
   [[nodiscard]] double first_length() const;
   [[nodiscard]] bool is_undecided_by_habit(double longest);
   void count_states(const std::vector<double>& z);

@@ -111,16 +111,4 @@ double FloatingSets::weight(const std::vector<double>& a, std::size_t i) const {
   return set != ground ? a[i] - a[static_cast<std::size_t>(set)] : a[i];
 }
 
-double FloatingSets::product(const std::vector<double>& a, const std::vector<double>& y) const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < y.size(); ++i) sum += weight(a, i) * y[i];
-  return sum;
-}
-
-double FloatingSets::largest_product(const std::vector<double>& a, const std::vector<double>& y) const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < y.size(); ++i) sum += std::abs(weight(a, i) * y[i]);
-  return sum;
-}
-
 }  // namespace pwlsim::engine::sparse

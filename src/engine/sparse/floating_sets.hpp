@@ -24,14 +24,10 @@ class FloatingSets {
     double sign;
   };
   [[nodiscard]] std::vector<Cut> cuts(model::NodeIndex p, model::NodeIndex n) const;
-  /// aᵀ y with y in rows as these, as if no row were that of a set.
-  [[nodiscard]] double product(const std::vector<double>& a, const std::vector<double>& y) const;
-  /// The most it can be where y has any signs.
-  [[nodiscard]] double largest_product(const std::vector<double>& a, const std::vector<double>& y) const;
+  /// What y_i counts with in aᵀ y, y in rows as these, as if no row were that of a set.
+  [[nodiscard]] double weight(const std::vector<double>& a, std::size_t i) const;
 
  private:
-  /// What y_i counts with.
-  [[nodiscard]] double weight(const std::vector<double>& a, std::size_t i) const;
   [[nodiscard]] int beyond(int row) const { return row < 0 ? row : beyond_[static_cast<std::size_t>(row)]; }
 
   /// Row -> the row of the next larger set around its node or set; ground: none. A node is in the sets of its own row, of the next, and so on.
