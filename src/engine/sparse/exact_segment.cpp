@@ -110,8 +110,7 @@ double ExactSegment::usual_length(const Position& on, double longest) const {
 /// Whether a guard has no sign because the segment is as short as the last one in its position was: in a short one rates are rounding that a longer one tells from zero.
 bool ExactSegment::is_undecided_by_habit(double longest) {
   Habit& habit = habits_[key_];
-  const double longer = std::min(longest, first_length());
-  if (share_ < 1.0 || habit.stays_undecided || !(near * habit.length < longer) || longer >= habit.refused) return false;
+  if (share_ < 1.0 || habit.stays_undecided || !(near * habit.length < std::min(longest, first_length()))) return false;
   const bool is_undecided =
       std::any_of(segment_.departures.begin(), segment_.departures.end(), [](const auto& departure) { return departure.order < 0; });
   if (!(habit.length > 0.0)) habit.stays_undecided = is_undecided;
