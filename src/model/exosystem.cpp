@@ -204,8 +204,8 @@ void Exosystem::fill_matrices(int sources) {
       if (rows_(source, state) != 0.0) terms_.push_back({source, state, rows_(source, state)});
   for (const auto& block : blocks_) {
     const int i = block.first;
-    if (block.kind == Block::Kind::ramp) a_(i, i + 1) = block.rate;
-    for (int k = 1; k < block.size() && block.kind == Block::Kind::small_input; ++k) a_(i + k - 1, i + k) = block.rate;
+    if (block.kind == Block::Kind::ramp || block.kind == Block::Kind::small_input)
+      for (int k = 1; k < block.size(); ++k) a_(i + k - 1, i + k) = block.rate;
     if (block.kind == Block::Kind::decay) a_(i, i) = -block.damping;
     if (block.kind == Block::Kind::oscillation) {
       a_(i, i) = a_(i + 1, i + 1) = -block.damping;

@@ -114,7 +114,7 @@ bool Locator::look_ahead(Segment& s, double end, Located& located) {
       length = length_to_first_root(s, rest);
       if (s.mode->flow.rate() * length > worth_narrowing) return false;
     }
-    linalg::multiply_repeatedly(s.mode->flow.a(), 1, derivatives_.data() + 2 * s.mode->ny);
+    third_derivative(s);
     if (narrows) {
       narrow_bends(s, length);
       found = outlook(s, length);

@@ -16,8 +16,8 @@ using linalg::Vector;
 constexpr int piece_steps = 8;
 constexpr double least_pieces = 4.0;     ///< that a time is divided into
 constexpr double resolved_share = 0.05;  ///< of a piece: its last coefficients
-constexpr double smooth_share =
-    resolved_share / 256.0;  ///< the same, of one that is half of a resolved piece: they fall as the eighth power of its length
+/// The same, of one that is half of a resolved piece: they fall as the eighth power of its length.
+constexpr double smooth_share = resolved_share / 256.0;
 constexpr int most_halvings = 60;
 constexpr double same_sources = 1e-6;  ///< of a direction: by so little of itself a combination may miss it
 
