@@ -90,7 +90,8 @@ Matrix ModeStore::open_directions(const Mode& mode) const {
   Matrix directions = mode.free_inputs.cols() > 0 ? mode.free_inputs : Matrix(system_.ports, 0);
   for (const IndexSet& set : {most, fewest}) {
     if (set == mode.active) continue;
-    const Matrix found = build_mode(system_, set)->free_inputs;
+    const auto known = known_.find(set);
+    const Matrix found = known != known_.end() && known->second.mode ? known->second.mode->free_inputs : build_mode(system_, set)->free_inputs;
     if (found.cols() == 0) continue;
     Matrix both(system_.ports, directions.cols() + found.cols());
     both << directions, found;

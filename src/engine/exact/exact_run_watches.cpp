@@ -311,7 +311,7 @@ void ExactRun::certify() {
 void ExactRun::finish() {
   count();
   note_doubtful_events();
-  note_open_signals();
+  if (!watching_.leaves_end_open) note_open_signals();  // costs a mode or two for each that was visited
   recorders_.hand_over({clocks_, on_}, answer_);
   note_choices();
   certify();

@@ -339,4 +339,27 @@ RunStart start_from_initial_values(const ExactModel& model) {
   return start;
 }
 
+RunStart start_from(const ExactModel& model, const StoreValues& values) {
+  RunStart start;
+  for (const auto& s : model.switches) start.on.push_back(s.initially_on);
+  const auto value_of = [](const auto& known, const std::string& name) {
+    const auto found = known.find(name);
+    return found != known.end() ? found->second : 0.0;
+  };
+  std::vector<Remark> contradictions;
+  for (const auto& island : model.islands) {
+    model::Island at = island.island;
+    for (auto& c : at.network.capacitors) {
+      c.has_initial = true;
+      c.initial_voltage = value_of(values.voltages, c.label.name);
+    }
+    for (auto& l : at.network.inductors) {
+      l.has_initial = true;
+      l.initial_current = value_of(values.currents, l.label.name);
+    }
+    start.xi.push_back(projected_initial_state(island, at, contradictions));
+  }
+  return start;
+}
+
 }  // namespace pwlsim::engine

@@ -1,6 +1,9 @@
 #pragma once
 /// The start of a run: the DC operating point, or the initial values of the deck.
 
+#include <string>
+#include <unordered_map>
+
 #include "engine/exact/exact_model.hpp"
 #include "engine/exact/run_state.hpp"
 #include "engine/missing_rest.hpp"
@@ -19,5 +22,14 @@ struct RunStart : RunState {
 
 /// `ic=` and `.ic` values, zero elsewhere.
 [[nodiscard]] RunStart start_from_initial_values(const ExactModel& model);
+
+/// Of stores, by the names of their elements. What is not there is zero.
+struct StoreValues {
+  std::unordered_map<std::string, double> voltages;  ///< of capacitors, V
+  std::unordered_map<std::string, double> currents;  ///< of inductors, A
+};
+
+/// At these values, as found by another engine: to its tolerance they may contradict the circuit, without a remark.
+[[nodiscard]] RunStart start_from(const ExactModel& model, const StoreValues& values);
 
 }  // namespace pwlsim::engine
