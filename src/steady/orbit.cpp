@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "linalg/factorisations.hpp"
+#include "steady/newton_cycle.hpp"
 #include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
@@ -64,7 +65,7 @@ class Search {
       }
       if (is_small(f)) return finish(f);
       if (best_norm_ < 0.0 || f.norm() < much_better * best_norm_) keep(f);
-      const Progress progress = follows_ > 0 ? follow_on(f) : step(f);
+      const Progress progress = follows_ > 0 ? follow_on(f) : cycle_.closes(f.norm()) ? Progress::stuck : step(f);
       if (progress == Progress::done) return finish(f);
       if (progress == Progress::failed) return std::move(orbit_);
       if (progress == Progress::stuck && !begin_to_follow(f)) return std::move(orbit_);
@@ -260,6 +261,7 @@ class Search {
     best_lap_ = lap_;
     best_norm_ = f.norm();
     bold_ = bold_steps;
+    cycle_.restart();
   }
 
   /// One step of the implicit Euler method along x' = φ(x) − x, x a function of the number of periods, over `pace_` of them: where Newton's method fails,
@@ -404,6 +406,7 @@ class Search {
   RunState best_state_;  ///< of the steps of Newton's method since the last implicit one
   Lap best_lap_;
   double best_norm_ = -1.0;
+  NewtonCycle cycle_;
   int bold_ = 0, follows_ = 0, phases_ = 0, patience_ = 1;
   double pace_ = 0.0;  ///< periods of an implicit step; 0: there has been none
   int counted_ = -1;   ///< periods simulated when the last residual was noted

@@ -12,6 +12,7 @@
 
 #include "steady/derivative_space.hpp"
 #include "steady/known_inverse.hpp"
+#include "steady/newton_cycle.hpp"
 #include "steady/tolerances.hpp"
 
 namespace pwlsim::steady {
@@ -68,7 +69,7 @@ class SegmentSearch {
       }
       if (is_small()) return finish();
       if (best_norm_ < 0.0 || norm_ < pays * best_norm_) keep();
-      const Progress progress = follows_ > 0 ? implicit_step() : newton_step();
+      const Progress progress = follows_ > 0 ? implicit_step() : cycle_.closes(norm_) ? Progress::stuck : newton_step();
       if (progress == Progress::done) return finish();
       if (progress == Progress::failed) return std::move(orbit_);
       if (progress == Progress::stuck && !begin_to_follow()) return std::move(orbit_);
@@ -333,6 +334,7 @@ class SegmentSearch {
     best_state_ = state_;
     best_norm_ = norm_;
     bold_ = steps_that_need_not_pay;
+    cycle_.restart();
     returns_ = 0;
   }
 
@@ -506,6 +508,7 @@ class SegmentSearch {
   State end_, best_state_, anchor_state_;
   Vector residual_, anchor_;  ///< the point from which an implicit step is taken
   double norm_ = 0.0, anchor_norm_ = 0.0, best_norm_ = -1.0, last_norm_ = -1.0, pace_ = 0.0;
+  NewtonCycle cycle_;
   int bold_ = 0, follows_ = 0, inner_ = 0, phases_ = 0, patience_ = 1, drifts_ = 0, returns_ = 0;
 };
 

@@ -53,6 +53,9 @@ inline constexpr double constant_direction = 1e-6;
 /// Of: the fastest rate of a mode.
 /// Why: slower motions are integrators' to rounding, and say nothing of how long an orbit takes.
 inline constexpr double resting_rate = 1e-9;
+/// Of: the norm of a residual.
+/// Why: far below what a step changes, and above what is left of the way into a cycle after a few rounds.
+inline constexpr double same_residual = 1e-6;
 /// Of: the largest state.
 /// Why: two orbits that differ by less are one; both are known to `close_residual`.
 inline constexpr double same_orbit = 1e-8;
