@@ -15,8 +15,8 @@ class NewtonCycle {
   void restart() { norms_.clear(); }
   /// Whether a step begins with the residual of one before, by its norm.
   [[nodiscard]] bool closes(double norm) {
-    const bool is_known =
-        std::any_of(norms_.begin(), norms_.end(), [&](double before) { return std::abs(norm - before) <= tolerance::same_residual * norm; });
+    const bool is_known = std::any_of(norms_.begin(), norms_.end(),
+                                      [&](double before) { return std::abs(norm - before) <= tolerance::same_residual * norm; });
     norms_.push_back(norm);
     return is_known;
   }

@@ -313,6 +313,26 @@ TEST_CASE("an orbit that is not found: residuals, the best state, and whether it
   CHECK(read_file(scratch / "deck.csv").starts_with("time,"));
 }
 
+// Converter 32 of `converters --print`, whose map has two pieces between which Newton's method went to and fro. On an orbit the mean voltage of every inductor is zero, and the output's mean current is that of the load.
+TEST_CASE("a dual active bridge has its orbit where Newton's method goes round", "[unit]") {
+  const Scratch scratch;
+  const auto gate = [](const char* name, const char* delay) {
+    return std::string("V") + name + " " + name + " 0 PULSE(0 1 " + delay + " 0 0 5.582u 11.9u)\n";
+  };
+  const Json result = steady_state_of(
+      scratch,
+      "dual active bridge\n" + gate("g0", "0.368u") + gate("g1", "6.318u") + gate("g2", "6.318u") + gate("g3", "12.268u") +
+          gate("g4", "2.4386u") + gate("g5", "8.3886u") + gate("g6", "8.3886u") + gate("g7", "14.339u") +
+          "V1 in 0 24\nS1 in a g0 0 SX1\nD1 a in DX0\nS2 a 0 g1 0 SX1\nD2 0 a DX0\nS3 in b g2 0 SX1\nD3 b in DX0\nS4 b 0 g3 0 SX1\n"
+          "D4 0 b DX0\nL1 a p 12.9u ic=0\nL2 p b 106u ic=0\nL3 sa sb 207.76u ic=0\nS5 out sa g4 0 SX1\nD5 sa out DX0\nS6 sa 0 g5 0 SX1\n"
+          "D6 0 sa DX0\nS7 out sb g6 0 SX1\nD7 sb out DX0\nS8 sb 0 g7 0 SX1\nD8 0 sb DX0\nC1 out 0 176u ic=0\nR1 out 0 2.86\n"
+          "K1 L2 L3 0.99\n.model DX0 D(Ron=7.53m Vfwd=0.7)\n.model SX1 SW(Ron=10.1m Vt=0.5)\n.pss uic\n.meas pss leakage AVG v(a,p)\n"
+          ".meas pss primary AVG v(p,b)\n.meas pss secondary AVG v(sa,sb)\n.meas pss charge AVG i(C1)\n.end\n");
+  CHECK(result["pss"]["iterations"].number <= 40.0);  // 10 today
+  for (const char* name : {"leakage", "primary", "secondary"}) CHECK(std::abs(measured(result, name)) <= 1e-10 * 24.0);
+  CHECK(std::abs(measured(result, "charge")) <= 1e-10 * state(result["pss"], "v(C1)") / 2.86);
+}
+
 TEST_CASE("what happens at the begin of a period counts once: charges of jumps and edges", "[unit]") {
   // A pump: C2 between two charges holds v₁ = v₀ e^{−T/2RC₂}-like values; what the source gives is what R takes, so the averages of both currents are one, and
   // so is that of the charge that S2 passes on. The same with the gate's edges elsewhere in the period.
@@ -517,7 +537,8 @@ TEST_CASE("a compensator as a fraction in s: the mean of its input is zero, howe
 // A triangle by an integrator alone: from −0.7 to 0.7 with the slope 2000·1 V/s, and back with 2000·1.5 V/s. No mode has a time constant.
 TEST_CASE("an oscillator of an integrator and a relay has an orbit, though no mode has a time constant", "[unit]") {
   const Scratch scratch;
-  const std::string switched = "S1 s 0 x 0 SX\nVs v 0 1\nRs v s 1k\nB2 q 0 V=if(V(s)>0.5,1,-1.5)\n.model SX SW(Ron=1 Roff=1meg Vt=0 Vh=0.7)\n";
+  const std::string switched =
+      "S1 s 0 x 0 SX\nVs v 0 1\nRs v s 1k\nB2 q 0 V=if(V(s)>0.5,1,-1.5)\n.model SX SW(Ron=1 Roff=1meg Vt=0 Vh=0.7)\n";
   for (const std::string integrator : {"B1 x 0 V=sdt(2k*V(q),0)\n", "G1 0 x q 0 2m\nC1 x 0 1u ic=0\n"}) {
     const Json result =
         steady_state_of(scratch, "vco\n" + integrator + switched + ".pss uic on=S1\n.meas pss t PERIOD\n.meas pss m AVG v(x)\n.end\n");
