@@ -317,7 +317,7 @@ class Finder {
 
   void find_driven() {
     if (has_segments_) return find_driven_by_segments();
-    const bool begins_on_segments = runs_by_segments(compiled_.network, choice_);
+    const bool begins_on_segments = runs_by_segments(compiled_.network, choice_ == EngineChoice::modes ? EngineChoice::exact : choice_);
     if (begins_on_segments) {
       const auto remarks = find_driven_from_segments();
       for (const engine::Remark& remark : remarks.value_or(std::vector<engine::Remark>{})) state_.messages.push_back(message_of(remark));
