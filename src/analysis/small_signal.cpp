@@ -128,7 +128,8 @@ SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSi
     return is_limit ? limit_at_rest(period, [&](double near) { return at(near, amplitudes); }) : at(f, amplitudes);
   };
   SmallSignalResult result = evaluate(compiled, inputs, response);
-  result.is_beyond_derivatives = linear.reads_last_derivative();
+  const std::vector<char> read_to_the_last = linear.inputs_read_to_the_last();
+  result.is_beyond_derivatives = std::any_of(read_to_the_last.begin(), read_to_the_last.end(), [](char is) { return is != 0; });
   result.unknown_impulses = unknown;
   return result;
 }

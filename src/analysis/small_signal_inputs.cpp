@@ -31,7 +31,7 @@ double input_rate(const SmallSignalAnalysis& card) {
 void add_input_on(const SmallSignalAnalysis& card, model::Network& network, const std::vector<int>& sources, Complex amplitude,
                   SmallSignalInputs& inputs) {
   const std::string name = fmt::format("ac {}", network.sources[static_cast<std::size_t>(sources.front())].label.name);
-  const int input = steady::add_small_input(network, name, input_rate(card));
+  const int input = steady::add_small_input(network, name, {input_rate(card)});
   for (const int source : sources) steady::superpose_input(network, source, input);
   inputs.names.push_back(name);
   inputs.amplitudes.push_back(amplitude);

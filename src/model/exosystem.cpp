@@ -161,6 +161,7 @@ void Exosystem::add(int source, const SmallInput& f) {
   block.kind = Block::Kind::small_input;
   block.source = source;
   block.rate = f.rate;
+  block.derivatives = f.states - 1;
   const int index = add_block(block);
   tracks_.push_back({{}, index, false});
   coefficients_.push_back({source, blocks_[static_cast<std::size_t>(index)].first, 1.0});

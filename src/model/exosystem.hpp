@@ -73,9 +73,6 @@ class Track {
 /// A sum of sources this close to a level, against the terms it is made of, is on it; then its derivatives decide, each against its own terms.
 constexpr double threshold_noise = 3e-14;  ///< Of: the terms of the sum. Why: 135 units of rounding of double.
 
-/// Of a small input: its value and derivatives. The extraction differentiates six times at most (E-index), a mode seldom more than once.
-inline constexpr int small_input_states = 8;
-
 class Exosystem {
  public:
   struct Block {
@@ -88,10 +85,11 @@ class Exosystem {
     double frequency = 0.0, omega = 0.0, damping = 0.0, phase = 0.0;
     double delay = 0.0, end = forever;  ///< oscillation, decay: alive in [delay, end)
     int partner = -1;                   ///< oscillation: its level state, −1: none
+    int derivatives = 0;                ///< of a small input, beside its value
     /// Whether it has a rate of its own: not a constant, level or ramp.
     [[nodiscard]] bool is_curved() const { return kind == Kind::oscillation || kind == Kind::decay; }
     [[nodiscard]] int size() const {
-      if (kind == Kind::small_input) return small_input_states;
+      if (kind == Kind::small_input) return 1 + derivatives;
       return kind == Kind::oscillation || kind == Kind::ramp ? 2 : 1;
     }
     /// Bound of |ζ_block^{(order)}(t + s)|₂ for 0 ≤ s ≤ h from the block's state now; for a ramp only its value counts.

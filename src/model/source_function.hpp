@@ -60,6 +60,8 @@ struct Held {
 /// Zero: what a small input and its derivatives would do is read from the columns of their states, w^(k) = rate^k·(state k).
 struct SmallInput {
   double rate = 1.0;  ///< 1/s
+  int states =
+      8;  ///< its value and so many derivatives less one. The extraction differentiates six times at most (E-index), a mode seldom more than once
   bool operator==(const SmallInput&) const = default;
 };
 

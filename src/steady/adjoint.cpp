@@ -44,7 +44,9 @@ bool may_part(const ParameterInputs& own, const LinearInstant& instant) {
     return guard.island != instant.island || moves_level(guard) || moves_level(instant) ||
            !guard.on_state.isApprox(instant.on_state, tolerance::same_guard) ||
            !std::equal(guard.on_w.begin(), guard.on_w.end(), instant.on_w.begin(), instant.on_w.end(), agree) ||
-           !std::equal(guard.on_slope.begin(), guard.on_slope.end(), instant.on_slope.begin(), instant.on_slope.end(), agree);
+           !std::equal(guard.on_slope.begin(), guard.on_slope.end(), instant.on_slope.begin(), instant.on_slope.end(), agree) ||
+           !std::equal(guard.on_derivatives.reshaped().begin(), guard.on_derivatives.reshaped().end(),
+                       instant.on_derivatives.reshaped().begin(), instant.on_derivatives.reshaped().end(), agree);
   });
 }
 
@@ -75,12 +77,12 @@ const Sensitivity::Flow& Adjoint::flow(std::size_t island, const Mode& mode) con
 
 Adjoint::Sums& Adjoint::sums_of(Pass& pass, std::size_t island, const Mode& mode) const {
   Sums& sums = pass.sums[{island, &mode}];
-  if (sums.moment.size() > 0 || sums.value.size() > 0) return sums;
+  if (!sums.inputs.empty()) return sums;
   const Eigen::Index width = flow(island, mode).source.rows(), n = along_.orbit_.stacking().count(island);
   sums.moment = Matrix::Zero(mode.n1, width);
   sums.outputs = Matrix::Zero(mode.outputs.rows(), width);
   sums.jump = sums.lift = Matrix::Zero(n, width);
-  sums.value = sums.slope = Matrix::Zero(static_cast<Eigen::Index>(along_.orbit_.inputs()), width);
+  sums.inputs.assign(1, Matrix::Zero(static_cast<Eigen::Index>(along_.orbit_.inputs()), width));
   return sums;
 }
 
@@ -303,11 +305,14 @@ void Adjoint::pass_ways(const Change& change, double time, double right, Pass& p
 void Adjoint::collect_guard(const Change& change, const LinearInstant& instant, double left, double sigma, Pass& pass) const {
   const Vector yz = signals_of(change.island, *change.before, change.y_before.data(), instant.time, left);
   Sums& sums = sums_of(pass, change.island, *change.before);
-  for (std::size_t k = 0; k < instant.on_w.size(); ++k) {
-    const auto row = static_cast<Eigen::Index>(k);
-    if (instant.on_w[k] != 0.0) sums.value.row(row) += sigma * instant.on_w[k] * yz.transpose();
-    if (instant.on_slope[k] != 0.0) sums.slope.row(row) += sigma * instant.on_slope[k] * yz.transpose();
-  }
+  for (std::size_t k = 0; k < instant.on_w.size(); ++k)
+    for (int order = 0; order < instant.derivatives(); ++order) {
+      const double on = instant.on_derivative(k, order);
+      if (on == 0.0) continue;
+      while (static_cast<int>(sums.inputs.size()) <= order)
+        sums.inputs.push_back(Matrix::Zero(sums.inputs[0].rows(), sums.inputs[0].cols()));
+      sums.inputs[static_cast<std::size_t>(order)].row(static_cast<Eigen::Index>(k)) += sigma * on * yz.transpose();
+    }
 }
 
 void Adjoint::run(const Functional& functional, const Vector& end, Pass& pass) const {

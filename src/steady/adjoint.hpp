@@ -70,10 +70,10 @@ class Adjoint {
   };
   /// Sums over one mode of what multiplies the columns of its inputs; w = row·(y, z) is known by parameter only at the end.
   struct Sums {
-    Matrix moment;        ///< ∫ λ (y, z)′ dt: n₁ rows
-    Matrix outputs;       ///< Σ weight·(y, z)′ of each output
-    Matrix jump, lift;    ///< Σ λ (y, z)′ where the mode's projector or its lift takes inputs: n rows
-    Matrix value, slope;  ///< of w and w′ themselves, where they move an instant: a row an input
+    Matrix moment;               ///< ∫ λ (y, z)′ dt: n₁ rows
+    Matrix outputs;              ///< Σ weight·(y, z)′ of each output
+    Matrix jump, lift;           ///< Σ λ (y, z)′ where the mode's projector or its lift takes inputs: n rows
+    std::vector<Matrix> inputs;  ///< of w and its derivatives themselves, where they move an instant: a row an input
     std::vector<Lengths> lengths;
     std::vector<Spread> spreads;
     std::map<std::int64_t, Range> ranges;

@@ -79,8 +79,14 @@ double Adjoint::of_parameter(std::size_t parameter, Pass& pass) const {
       if (own.rows[k].size() == 0) continue;
       const InputColumns& column = along_.orbit_.columns(island, k);
       const auto row = static_cast<Eigen::Index>(k);
-      total += dot(of_column(column.value) + sums.value.row(row), own.rows[k]);
-      total += dot(of_column(column.slope) / column.rate + sums.slope.row(row), own.rows[k] * own.source);
+      Eigen::RowVectorXd derivative = own.rows[k];
+      double scale = 1.0;
+      for (int order = 0; order < column.count && !derivative.isZero(0.0);
+           ++order, scale /= column.rate, derivative = derivative * own.source) {
+        Eigen::RowVectorXd weight = scale * of_column(column.value + order);
+        if (order < static_cast<int>(sums.inputs.size())) weight += sums.inputs[static_cast<std::size_t>(order)].row(row);
+        total += dot(weight, derivative);
+      }
     }
   }
   return total;

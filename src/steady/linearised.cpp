@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace pwlsim::steady {
 namespace {
@@ -65,19 +66,10 @@ void superpose(Form& form, int source, int input) {
 
 }  // namespace
 
-int add_input(model::Network& network, const std::string& name) {
+int add_small_input(model::Network& network, const std::string& name, const model::SmallInput& input) {
   model::Source source;
   source.label.name = name;
-  // Zero from t = 0 on, and a ramp before, so that there is a column for its slope.
-  source.function = model::Pwl{{{-3.0, 0.0}, {-2.0, 1.0}, {-1.0, 0.0}}, 0.0, 0.0};
-  network.sources.push_back(std::move(source));
-  return static_cast<int>(network.sources.size()) - 1;
-}
-
-int add_small_input(model::Network& network, const std::string& name, double rate) {
-  model::Source source;
-  source.label.name = name;
-  source.function = model::SmallInput{rate};
+  source.function = input;
   network.sources.push_back(std::move(source));
   return static_cast<int>(network.sources.size()) - 1;
 }
@@ -130,27 +122,33 @@ std::vector<int> LinearisedOrbit::take_impulses(const Trace& trace, bool is_driv
   return unknown;
 }
 
-bool LinearisedOrbit::reads_last_derivative() const {
-  const auto reads = [&](std::size_t island, const auto& rows, Eigen::Index first) {
-    return rows.size() > 0 && std::any_of(columns_[island].begin(), columns_[island].end(), [&](const InputColumns& column) {
-             return column.value >= 0 && !rows.col(first + column.value + column.count - 1).isZero(0.0);
-           });
+std::vector<char> LinearisedOrbit::inputs_read_to_the_last() const {
+  std::vector<char> is_read(inputs_, 0);
+  std::set<const Mode*> followed, entered;
+  const auto look_at = [&](std::size_t island, const auto& rows, Eigen::Index first) {
+    for (std::size_t k = 0; k < inputs_ && rows.size() > 0; ++k) {
+      const InputColumns& column = columns_[island][k];
+      if (column.value >= 0 && !rows.col(first + column.value + column.count - 1).isZero(0.0)) is_read[k] = 1;
+    }
   };
-  const auto mode_reads = [&](std::size_t island, const Mode& mode) {
-    return reads(island, mode.outputs, mode.n1) || reads(island, mode.flow.a().topRows(mode.n1), mode.n1) ||
-           reads(island, mode.guards, mode.n1) || (mode.constrained && reads(island, mode.lift, 0));
+  const auto look_at_segment = [&](const LinearSegment& segment) {
+    const Mode& mode = *segment.mode;
+    if (!followed.insert(&mode).second) return;
+    look_at(segment.island, mode.outputs, mode.n1);
+    look_at(segment.island, mode.flow.a().topRows(mode.n1), mode.n1);
+    look_at(segment.island, mode.guards, mode.n1);
+    if (mode.constrained) look_at(segment.island, mode.lift, 0);
   };
-  const auto segment_reads = [&](const LinearSegment& s) { return mode_reads(s.island, *s.mode); };
-  const auto change_reads = [&](const LinearChange& change) {
-    const Eigen::Index n = stacking_.count(change.island);
-    return std::any_of(change.by_way_of.begin(), change.by_way_of.end(),
-                       [&](const Mode* mode) { return mode->constrained && reads(change.island, mode->projector.topRows(n), n); });
-  };
-  return std::any_of(tail_.begin(), tail_.end(), segment_reads) ||
-         std::any_of(instants_.begin(), instants_.end(), [&](const LinearInstant& at) {
-           return std::any_of(at.segments.begin(), at.segments.end(), segment_reads) ||
-                  std::any_of(at.changes.begin(), at.changes.end(), change_reads);
-         });
+  std::for_each(tail_.begin(), tail_.end(), look_at_segment);
+  for (const LinearInstant& instant : instants_) {
+    std::for_each(instant.segments.begin(), instant.segments.end(), look_at_segment);
+    for (const LinearChange& change : instant.changes)
+      for (const Mode* mode : change.by_way_of) {
+        const Eigen::Index n = stacking_.count(change.island);
+        if (mode->constrained && entered.insert(mode).second) look_at(change.island, mode->projector.topRows(n), n);
+      }
+  }
+  return is_read;
 }
 
 void LinearisedOrbit::take_step(const TraceStep& step, const std::vector<char>& on_before, const std::vector<Change>& changes) {

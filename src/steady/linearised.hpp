@@ -1,8 +1,8 @@
 #pragma once
 /// An orbit linearised with small inputs: the effect of segments and instants on a deviation of the state and on inputs w_k.
 ///
-/// Inputs are sources of value zero in the model, so that every matrix of the model has a column for w and one for w′ (add_input), or one for each derivative
-/// (add_small_input): the effect of an input on a guard, a jump or an output comes from these columns only.
+/// Inputs are sources of value zero in the model, so that every matrix of the model has a column for w and one for each of its derivatives: the effect of an input on a guard, a jump or an output
+/// comes from these columns only.
 
 #include <optional>
 #include <string>
@@ -16,9 +16,7 @@
 namespace pwlsim::steady {
 
 /// Adds such a source to the network and returns its number; add it to the forms that it changes.
-[[nodiscard]] int add_input(model::Network& network, const std::string& name);
-/// The same with all derivatives; `rate`: 1/s, of the fastest that it will be.
-[[nodiscard]] int add_small_input(model::Network& network, const std::string& name, double rate);
+[[nodiscard]] int add_small_input(model::Network& network, const std::string& name, const model::SmallInput& input);
 /// Adds it to every form that reads this source, so that it has the same effects.
 void superpose_input(model::Network& network, int source, int input);
 
@@ -27,6 +25,13 @@ struct InputColumns {
   int value = -1, slope = -1;
   double rate = 1.0;
   int count = 2;  ///< of columns
+  /// Calls use(k, rate^−k) for each of the columns value + k that holds anything from `first` on.
+  template <class Columns, class Use>
+  void each(const Columns& columns, Eigen::Index first, const Use& use) const {
+    double scale = 1.0;
+    for (int k = 0; k < count; ++k, scale /= rate)
+      if (k < 2 || !columns.col(first + value + k).isZero(0.0)) use(k, scale);
+  }
 };
 
 /// One island in one mode for a while.
@@ -42,10 +47,16 @@ struct LinearGuard {
   Eigen::RowVectorXd on_state;         ///< of that island's ξ
   std::vector<double> on_w, on_slope;  ///< of each input and its derivative; empty: none moves it
   Matrix on_derivatives;               ///< of each input and its further derivatives (inputs × derivatives); may be empty
-  int level_switch = -1;               ///< whose threshold is passed; −1: none
-  bool is_off_level = false;           ///< the threshold at which it opens
-  double level_rate = 0.0;             ///< how fast its control passes, 1/s: a threshold that moves by a moves the instant by a/rate
-  int row = -1;                        ///< of the mode's guards
+  /// Of that derivative of an input, 0 the value.
+  [[nodiscard]] double on_derivative(std::size_t input, int order) const {
+    if (order < 2) return order == 0 ? on_w[input] : on_slope[input];
+    return order - 2 < on_derivatives.cols() ? on_derivatives(static_cast<Eigen::Index>(input), order - 2) : 0.0;
+  }
+  [[nodiscard]] int derivatives() const { return 2 + static_cast<int>(on_derivatives.cols()); }
+  int level_switch = -1;      ///< whose threshold is passed; −1: none
+  bool is_off_level = false;  ///< the threshold at which it opens
+  double level_rate = 0.0;    ///< how fast its control passes, 1/s: a threshold that moves by a moves the instant by a/rate
+  int row = -1;               ///< of the mode's guards
 };
 
 /// δξ⁺ = p·δξ⁻ + p_w·w + d·δt of one island.
@@ -81,8 +92,8 @@ class LinearisedOrbit {
   [[nodiscard]] const std::vector<LinearInstant>& instants() const { return instants_; }
   [[nodiscard]] const std::vector<LinearSegment>& tail() const { return tail_; }
   [[nodiscard]] std::size_t inputs() const { return inputs_; }
-  /// Whether anything reads the last derivative that an input has a column for: then it may follow further ones, too, which are not known. Of inputs with all derivatives.
-  [[nodiscard]] bool reads_last_derivative() const;
+  /// Of each input whether anything reads the last derivative that it has a column for: then it may follow further ones, too, which are not known.
+  [[nodiscard]] std::vector<char> inputs_read_to_the_last() const;
   [[nodiscard]] const InputColumns& columns(std::size_t island, std::size_t input) const { return columns_[island][input]; }
 
  private:

@@ -8,6 +8,7 @@
 #include "linalg/dense.hpp"
 #include "linalg/factorisations.hpp"
 #include "model/conditions.hpp"
+#include "model/forms.hpp"
 #include "model/moved_network.hpp"
 #include "steady/linearised.hpp"
 #include "steady/tolerances.hpp"
@@ -18,6 +19,18 @@ namespace {
 using Item = model::NetworkMove::Item;
 using Kind = model::Term::Kind;
 using model::LinearForm;
+
+/// Of an input its value and derivatives, the last of which shows whether it would need more; `usual` where no element differentiates, by the current of a capacitor.
+constexpr int usual_states = 4, most_states = 8;
+
+int states_of_inputs(const model::Network& network) {
+  int states = usual_states;
+  model::for_each_equation(network, [&](const LinearForm& form) {
+    const auto differentiates = [](const model::Term& term) { return term.kind == Kind::capacitor_current; };
+    if (std::any_of(form.begin(), form.end(), differentiates)) states = most_states;
+  });
+  return states;
+}
 
 /// An input, and the signal or store that it is a multiple of.
 struct Pair {
@@ -64,7 +77,8 @@ double inductance_between(const model::Network& network, const model::Coupling& 
 
 class Adder {
  public:
-  explicit Adder(model::Network& network) : network_(network), original_(network), started_(model::with_initial_values(network)) {}
+  explicit Adder(model::Network& network)
+      : network_(network), original_(network), started_(model::with_initial_values(network)), states_(states_of_inputs(network)) {}
 
   ParameterInputs add(const model::NetworkMoves& moves) {
     ParameterInputs result;
@@ -88,7 +102,7 @@ class Adder {
 
   int new_input() {
     all_.names.push_back(new_name());
-    sources_.push_back(add_input(network_, all_.names.back()));
+    sources_.push_back(add_small_input(network_, all_.names.back(), {1.0, states_}));
     return static_cast<int>(all_.names.size()) - 1;
   }
 
@@ -331,6 +345,7 @@ class Adder {
 
   model::Network& network_;
   const model::Network original_, started_;  ///< started_: what `.ic` says are initial values there
+  int states_;                               ///< of an input
   SensitivityInputs all_;
   std::vector<int> sources_;  ///< of the inputs
   std::map<std::pair<Item, int>, Pair> pairs_;

@@ -48,7 +48,8 @@ void Sensitivity::check_rests(std::size_t parameter, std::size_t number, Followe
   const Flow& flow = flow_of(parameter, segment.island, mode);
   for (const double place : {0.0, 0.5, 1.0}) {
     const Vector state = at(flow, segment, followed.begins[number], place * segment.length);
-    const Vector yz = state.head(flow.ny + flow.nz), rate = flow.source * yz, c = state.tail(mode.n1) * flow.scale;
+    const Vector c = state.tail(mode.n1) * flow.scale;
+    Derivatives derivative(flow.source, state.head(flow.ny + flow.nz));
     for (const int row : rests->second) {
       double moved = 0.0, size = 0.0;
       const auto add = [&](double weight, double value) {
@@ -59,8 +60,9 @@ void Sensitivity::check_rests(std::size_t parameter, std::size_t number, Followe
       for (std::size_t k = 0; k < flow.rows.size(); ++k) {
         if (flow.rows[k].size() == 0) continue;
         const InputColumns& column = orbit_.columns(segment.island, k);
-        add(mode.guards(row, mode.n1 + column.value), flow.rows[k].dot(yz));
-        add(mode.guards(row, mode.n1 + column.slope), flow.rows[k].dot(rate) / column.rate);
+        column.each(mode.guards.row(row), mode.n1, [&](int order, double scale) {
+          add(mode.guards(row, mode.n1 + column.value + order), scale * flow.rows[k].dot(derivative(order)));
+        });
       }
       if (std::abs(moved) <= tolerance::resting_slope * size) continue;
       followed.fail(fmt::format("{} carries and blocks nothing from t = {} s on, and the parameter decides which it does",

@@ -43,6 +43,7 @@ Sensitivity::Sensitivity(const engine::ExactModel& model, const Trace& trace, co
     auto& rows = stores_.emplace_back();
     for (std::size_t k = 0; k < values.names().size(); ++k) rows[values.names()[k]] = values.rows().row(static_cast<Eigen::Index>(k));
   }
+  read_to_the_last_ = orbit.inputs_read_to_the_last();
   for (std::size_t p = 0; p < inputs.parameters.size(); ++p) {
     const auto& waves = inputs.parameters[p].waves;
     sound_.push_back(check(p).empty() ? 1 : 0);
@@ -57,7 +58,7 @@ void Sensitivity::find_kept_sources() {
     std::vector<char> is_input(static_cast<std::size_t>(system.size() - system.n), 0);
     for (std::size_t k = 0; k < orbit_.inputs(); ++k)
       if (const InputColumns& column = orbit_.columns(island, k); column.value >= 0)
-        is_input[static_cast<std::size_t>(column.value)] = is_input[static_cast<std::size_t>(column.slope)] = 1;
+        std::fill_n(is_input.begin() + column.value, column.count, 1);
     auto& kept = kept_.emplace_back();
     for (std::size_t k = 0; k < is_input.size(); ++k)
       if (is_input[k] == 0) kept.push_back(static_cast<Eigen::Index>(k));
@@ -137,7 +138,16 @@ std::string Sensitivity::check(std::size_t parameter) const {
                          std::find(system.output_signal.begin(), system.output_signal.end(), drive.signal) != system.output_signal.end();
       if (gives && !reads) return "it acts on another part of the circuit";
     }
+  if (has_unknown_derivatives(own)) return "something follows more derivatives of what it moves than are known";
   return "";
+}
+
+/// Whether more derivatives of what a parameter moves count than the inputs have states for, and are not zero.
+bool Sensitivity::has_unknown_derivatives(const ParameterInputs& parameter) const {
+  const auto is_read_so = [&](const auto& part) { return read_to_the_last_[static_cast<std::size_t>(part.input)] != 0; };
+  const auto has_many = [](const Wave& wave) { return !(wave_row(wave) * wave_generator(wave) * wave_generator(wave)).isZero(0.0); };
+  return std::any_of(parameter.drives.begin(), parameter.drives.end(), is_read_so) ||
+         std::any_of(parameter.waves.begin(), parameter.waves.end(), [&](const Wave& wave) { return is_read_so(wave) && has_many(wave); });
 }
 
 Eigen::RowVectorXd Sensitivity::drive_row(const Drive& drive, std::size_t island, const Mode& mode) const {
@@ -205,9 +215,11 @@ const Sensitivity::Flow& Sensitivity::flow_of(std::size_t parameter, std::size_t
   for (std::size_t k = 0; k < flow.rows.size(); ++k) {
     if (flow.rows[k].size() == 0) continue;
     const InputColumns& column = orbit_.columns(island, k);
-    const Eigen::RowVectorXd rate = flow.rows[k] * flow.source / column.rate;
-    drive += mode.flow.a().col(n1 + column.value).head(n1) * flow.rows[k] + mode.flow.a().col(n1 + column.slope).head(n1) * rate;
-    flow.outputs += mode.outputs.col(n1 + column.value) * flow.rows[k] + mode.outputs.col(n1 + column.slope) * rate;
+    const auto row = [&](int order, double scale) { return Eigen::RowVectorXd(scale * flow.derivative(k, order)); };
+    column.each(mode.flow.a().topRows(n1), n1,
+                [&](int order, double scale) { drive += mode.flow.a().col(n1 + column.value + order).head(n1) * row(order, scale); });
+    column.each(mode.outputs, n1,
+                [&](int order, double scale) { flow.outputs += mode.outputs.col(n1 + column.value + order) * row(order, scale); });
   }
   Matrix block = Matrix::Zero(width + n1, width + n1);
   block.topLeftCorner(width, width) = flow.source;
@@ -258,15 +270,22 @@ Vector Sensitivity::at(const Flow& flow, const Segment&, const Vector& begin, do
   return state;
 }
 
-/// Σ (column of the value)·w + (column of the slope)·w′ from `first` on.
+Eigen::RowVectorXd Sensitivity::Flow::derivative(std::size_t input, int order) const {
+  Eigen::RowVectorXd row = rows[input];
+  for (int k = 0; k < order; ++k) row = row * source;
+  return row;
+}
+
+/// Σ (column of the derivative)·w^(k) from `first` on.
 Vector Sensitivity::inputs_of(const Flow& flow, std::size_t island, const Matrix& columns, int first, const Vector& yz) const {
   Vector sum = Vector::Zero(columns.rows());
-  const Vector rate = flow.source * yz;
+  Derivatives derivative(flow.source, yz);
   for (std::size_t k = 0; k < flow.rows.size(); ++k) {
     if (flow.rows[k].size() == 0) continue;
     const InputColumns& column = orbit_.columns(island, k);
-    sum += columns.col(first + column.value) * flow.rows[k].dot(yz) +
-           columns.col(first + column.slope) * (flow.rows[k].dot(rate) / column.rate);
+    column.each(columns, first, [&](int order, double scale) {
+      sum += columns.col(first + column.value + order) * (scale * flow.rows[k].dot(derivative(order)));
+    });
   }
   return sum;
 }

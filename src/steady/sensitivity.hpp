@@ -101,6 +101,8 @@ class Sensitivity {
       Matrix rows;
     };
     mutable std::map<double, Points> points;
+    /// A row of (y, z) that gives that derivative of an input which it has a row for.
+    [[nodiscard]] Eigen::RowVectorXd derivative(std::size_t input, int order) const;
     /// Its rows, once they are worth it; else none.
     const Matrix& rows_at_points(double length, const Matrix& read) const;
     /// Of (y, z, c_p) with the integral of what the row reads of it behind it.
@@ -110,6 +112,20 @@ class Sensitivity {
       std::unique_ptr<linalg::Exponential> block;
     };
     mutable std::vector<Integral> integrals;
+  };
+
+  /// Of (y, z), made as they are asked for.
+  class Derivatives {
+   public:
+    Derivatives(const Matrix& source, Vector yz) : source_(source), known_{std::move(yz)} {}
+    [[nodiscard]] const Vector& operator()(int order) {
+      while (static_cast<int>(known_.size()) <= order) known_.push_back(source_ * known_.back());
+      return known_[static_cast<std::size_t>(order)];
+    }
+
+   private:
+    const Matrix& source_;
+    std::deque<Vector> known_;
   };
 
   /// So many segments.
@@ -124,6 +140,7 @@ class Sensitivity {
   [[nodiscard]] Eigen::RowVectorXd seen_row(std::size_t island, const model::Mode& mode, const Eigen::RowVectorXd& row) const;
   void add_static_parts();
   [[nodiscard]] std::string check(std::size_t parameter) const;
+  [[nodiscard]] bool has_unknown_derivatives(const ParameterInputs& parameter) const;
   /// The number behind the last one: the waves of all parameters together.
   [[nodiscard]] const ParameterInputs& inputs_of_number(std::size_t parameter) const {
     return parameter < inputs_.parameters.size() ? inputs_.parameters[parameter] : all_;
@@ -146,6 +163,7 @@ class Sensitivity {
   /// An instant with only a corner of a source: it affects measurements there, but no state.
   [[nodiscard]] double corner_shift_of(std::size_t parameter, const LinearInstant& instant) const;
   [[nodiscard]] double level_shift_of(std::size_t parameter, const LinearGuard& guard) const;
+  [[nodiscard]] double inputs_on(const LinearGuard& guard, const Flow& flow, const Vector& yz) const;
   [[nodiscard]] double passage_of(std::size_t parameter, std::size_t number, const LinearGuard& guard, const Vector& xi) const;
   void check_beside(std::size_t parameter, std::size_t number, double shift, const Vector& xi, Followed& followed) const;
   [[nodiscard]] std::optional<double> edge_shift_of(std::size_t parameter, double time, Followed& followed) const;
@@ -172,6 +190,7 @@ class Sensitivity {
   std::vector<std::vector<Eigen::Index>> kept_;  ///< of each island: sources that are no inputs
   ParameterInputs all_;                          ///< waves alone
   std::vector<char> sound_;                      ///< parameters that can be followed
+  std::vector<char> read_to_the_last_;           ///< inputs of which something may follow more derivatives than are known
   double length_ = 0.0;
   std::vector<Segment> segments_;
   std::size_t static_first_ = 0;                     ///< segments of parts with only sources, which runs do not report

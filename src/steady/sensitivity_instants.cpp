@@ -145,11 +145,19 @@ double Sensitivity::passage_of(std::size_t parameter, std::size_t number, const 
     Vector yz(flow.ny + flow.nz);
     yz << seen(island, *change.before, change.y_before.data()),
         waves_at(flow, parameter, time, time - tolerance::same_instant * (length_ + time));
-    const Vector rate = flow.source * yz;
-    for (std::size_t k = 0; k < flow.rows.size(); ++k)
-      if (flow.rows[k].size() > 0) shift += guard.on_w[k] * flow.rows[k].dot(yz) + guard.on_slope[k] * flow.rows[k].dot(rate);
+    shift += inputs_on(guard, flow, yz);
     break;
   }
+  return shift;
+}
+
+/// What inputs move of a passage.
+double Sensitivity::inputs_on(const LinearGuard& guard, const Flow& flow, const Vector& yz) const {
+  double shift = 0.0;
+  Derivatives derivative(flow.source, yz);
+  for (std::size_t k = 0; k < flow.rows.size(); ++k)
+    for (int order = 0; order < guard.derivatives() && flow.rows[k].size() > 0; ++order)
+      if (const double on = guard.on_derivative(k, order); on != 0.0) shift += on * flow.rows[k].dot(derivative(order));
   return shift;
 }
 

@@ -983,3 +983,42 @@ TEST_CASE("two comparisons that change at one instant move by themselves", "[uni
       is("b", "m", 3.0 * slope);
     }
 }
+
+// v(x) = k v(a)' and v(y) = k^2 v(a)'', v(a) = A cos wt: i(C1) = -k C w^2 A cos wt, i(C2) = k^2 C w^3 A sin wt. Over two periods the mean of a square is 1/2 + sin(2wT)/(4wT) of a cosine, 1/2 - that of a sine. S1 opens or
+// closes where v(y) = -k^2 w^2 A cos wt is 0.3 V.
+TEST_CASE("measurements that follow the second derivative of what a parameter moves, or the third", "[unit]") {
+  const double k = 1e-4, A = 3.0, f = 1e3, C = 1e-6, level = 0.3, pi = std::acos(-1.0), w = 2.0 * pi * f;
+  const std::string deck =
+      "derivatives\n.param A=3 f=1k\nV1 a 0 SIN(0 {A} {f} 0 0 90)\nB1 x 0 V={1e-4*ddt(v(a))}\nC1 x 0 1u\nB2 y 0 V={1e-4*ddt(v(x))}\nC2 y 0 "
+      "1u\n"
+      "V2 d 0 5\nRL d o 1k\nS1 o 0 y 0 SW\n.model SW SW(Ron=1 Roff=1meg Vt=0.3)\n.tran 1u 2m\n.meas tran second RMS i(C1)\n"
+      ".meas tran third RMS i(C2)\n.meas tran when WHEN v(o)=2.5 FALL=1\n.sens param=A,f,C1,C2";
+  for (const char* const method : {" method=forward\n.end\n", " method=adjoint\n.end\n"}) {
+    const Json result = sensitivities_of(Scratch{}, deck + method);
+    const double second = k * C * w * w * A / std::sqrt(2.0), third = k * k * C * w * w * w * A / std::sqrt(2.0);
+    CHECK(derivative(result, "second", "A") == Approx(second / A).epsilon(wanted));
+    CHECK(derivative(result, "second", "C1") == Approx(second / C).epsilon(wanted));
+    CHECK(derivative(result, "second", "f") == Approx(2.5 * second / f).epsilon(wanted));
+    CHECK(derivative(result, "third", "A") == Approx(third / A).epsilon(wanted));
+    CHECK(derivative(result, "third", "C2") == Approx(third / C).epsilon(wanted));
+    CHECK(derivative(result, "third", "f") == Approx(2.5 * third / f).epsilon(wanted));
+    const double angle = std::acos(-level / (k * k * w * w * A));
+    CHECK(derivative(result, "when", "A") == Approx(1.0 / (A * w * std::tan(angle))).epsilon(wanted));
+    CHECK(derivative(result, "when", "f") == Approx((2.0 / std::tan(angle) - angle) / (w * f)).epsilon(wanted));
+  }
+}
+
+// Five differentiations, a capacitor that a switch connects, and one that follows the current of that: the seventh derivative of V1, which no state stands for.
+TEST_CASE("a parameter of which too many derivatives count is named", "[unit]") {
+  std::string deck = "too many\n.param A=2\nV1 a 0 SIN(0 {A} 10k 0 0 90)\nB1 f1 0 V={1e-5*ddt(v(a))}\n";
+  for (int k = 2; k <= 5; ++k)
+    deck += "B" + std::to_string(k) + " f" + std::to_string(k) + " 0 V={1e-5*ddt(v(f" + std::to_string(k - 1) + "))}\n";
+  deck +=
+      "Vg g 0 PULSE(0 1 0 1n 1n 4u 10u)\nS3 f5 e g 0 SX\nC3 e 0 1u\nB20 h 0 V={i(C3)}\nS4 h k2 g 0 SX\nC4 k2 0 1u\n"
+      ".model SX SW(Ron=0 Vt=0.5)\n.tran 1u 200u\n.meas tran r AVG i(C4) FROM=102u TO=103u\n.sens param=A\n.end\n";
+  const Scratch scratch;
+  scratch.write("deck.net", deck);
+  const Finished finished = run_in(scratch, {"deck.net"});
+  CHECK(finished.status == 0);
+  CHECK_THAT(finished.err, Contains("W-sens-failed") && Contains("more derivatives"));
+}

@@ -75,11 +75,14 @@ Simulate sparse(double reltol, bool events) {
   };
 }
 
-bool by_segments(const circuit::Compiled& compiled, DeckRun& run, Diagnostics& diagnostics) {
-  const auto model = engine::sparse::prepare(compiled.network, diagnostics);
-  Rows rows(run.rows);
-  if (model) run.answer = engine::sparse::run_segments(*model, request_of(compiled, false, run), engine::sparse::segment_tolerance, rows);
-  return model != nullptr;
+Simulate by_segments(bool events) {
+  return [events](const circuit::Compiled& compiled, DeckRun& run, Diagnostics& diagnostics) {
+    const auto model = engine::sparse::prepare(compiled.network, diagnostics);
+    Rows rows(run.rows);
+    if (model)
+      run.answer = engine::sparse::run_segments(*model, request_of(compiled, events, run), engine::sparse::segment_tolerance, rows);
+    return model != nullptr;
+  };
 }
 
 DeckRun run_parsed(const netlist::Deck& deck, SourceStore& sources, Diagnostics& diagnostics, const Simulate& simulate) {
@@ -123,13 +126,13 @@ DeckRun run_deck_with_faults(const std::filesystem::path& path, const engine::Re
 
 DeckRun run_deck_sparse(const std::filesystem::path& path, double reltol, bool events) { return run_file(path, sparse(reltol, events)); }
 
-DeckRun run_deck_segments(const std::filesystem::path& path) { return run_file(path, by_segments); }
+DeckRun run_deck_segments(const std::filesystem::path& path) { return run_file(path, by_segments(false)); }
 
 DeckRun run_text_with_leaks_as_written(const std::string& text) { return run_memory(text, exact(false, {}, engine::Leaks::as_written)); }
 
 DeckRun run_text(const std::string& text, bool events) { return run_memory(text, exact(events)); }
 
-DeckRun run_text_segments(const std::string& text) { return run_memory(text, by_segments); }
+DeckRun run_text_segments(const std::string& text, bool events) { return run_memory(text, by_segments(events)); }
 
 DeckRun run_text_sparse(const std::string& text, double reltol, bool events) { return run_memory(text, sparse(reltol, events)); }
 

@@ -32,7 +32,7 @@ struct DeckRun {
 [[nodiscard]] DeckRun run_text_with_leaks_as_written(const std::string& text);
 /// The same for a deck in memory.
 [[nodiscard]] DeckRun run_text(const std::string& text, bool events = false);
-[[nodiscard]] DeckRun run_text_segments(const std::string& text);
+[[nodiscard]] DeckRun run_text_segments(const std::string& text, bool events = false);
 [[nodiscard]] DeckRun run_text_sparse(const std::string& text, double reltol, bool events = false);
 
 }  // namespace pwlsim::test

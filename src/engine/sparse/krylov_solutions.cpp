@@ -70,7 +70,7 @@ void KrylovSpace::begin_change(const Origin& start, const Vector& zeta) {
     const double of_slack = closing ? closing->of_slack[i] : on_[i] != 0 ? 1.0 : 0.0;
     const double of_input = closing ? closing->of_input[i] : on_[i] != 0 ? 0.0 : 1.0;
     const DescriptorPort& port = descriptor_.ports()[i];
-    right_[static_cast<std::size_t>(port.row)] = change_.closing(port, of_slack, of_input);
+    right_[static_cast<std::size_t>(port.row)] = change_.closing(port, of_slack, of_input, static_cast<int>(i) == start.passed);
   }
 }
 

@@ -17,6 +17,9 @@ using linalg::Vector;
 
 constexpr double share_of_integral = 0.1, share_of_start = 1e-3;
 constexpr double most_growth = 1e3;  ///< of y over a segment: more is made of rounding
+/// Of what the motion begins with: terms, and what each is at most of the one before, but for the first, in which motions may cancel. What shrinks no further is rounding.
+constexpr int most_terms = 40, first_terms = 2;
+constexpr double share_of_term = 0.25;
 
 }  // namespace
 
@@ -138,6 +141,32 @@ std::vector<double> KrylovSpace::next_unknowns() const {
   std::vector<double> z(static_cast<std::size_t>(descriptor_.size()), 0.0);
   if (has_next_) Eigen::Map<Vector>(z.data(), vectors_.rows()) = vectors_.col(dimension_);
   return z;
+}
+
+std::optional<std::vector<double>> KrylovSpace::unknowns_at_start() {
+  Vector sum = vectors_.col(0);
+  const Eigen::Index nodes = descriptor_.nodes(), others = sum.size() - nodes;
+  const auto largest_of = [](const auto& part) { return part.size() > 0 ? part.cwiseAbs().maxCoeff() : 0.0; };
+  const auto share_of = [](double part, double whole) { return part > 0.0 ? part / whole : 0.0; };
+  double before = INFINITY;
+  for (int k = 0; k < most_terms; ++k) {
+    apply(0);
+    const Vector term = -changes_.col(0);
+    const double size = std::max(share_of(largest_of(term.head(nodes)), largest_of(sum.head(nodes))),
+                                 share_of(largest_of(term.tail(others)), largest_of(sum.tail(others))));
+    const bool shrinks = k < first_terms || size <= share_of_term * before;
+    if (!shrinks && !(before <= tolerance::known_digits)) return std::nullopt;
+    if (shrinks) sum += term;
+    if (!shrinks || size <= tolerance::solution_rounding) {
+      std::vector<double> z(static_cast<std::size_t>(descriptor_.size()));
+      Eigen::Map<Vector>(z.data(), vectors_.rows()) = norm_ * sum;
+      return z;
+    }
+    before = size;
+    vectors_.col(0) = term;
+    zetas_.col(0) = -zeta_changes_.col(0);
+  }
+  return std::nullopt;
 }
 
 std::vector<double> KrylovSpace::impulses() {

@@ -15,6 +15,7 @@
 ///
 /// Shift-invert Krylov methods for the exponential: van den Eshof and Hochbruck, SIAM J. Sci. Comput. 27 (2006).
 
+#include <optional>
 #include <vector>
 
 #include "engine/sparse/factors.hpp"
@@ -40,6 +41,7 @@ class KrylovSpace {
     const std::vector<double>& z;
     const std::vector<double>& more;  ///< may be empty
     const std::vector<double>& zeta;  ///< all zero: z is a deviation of two motions
+    int passed = -1;                  ///< a port that has just passed zero: what is left of it in z is rounding; −1: none
   };
   enum class Begun { yes, contradicted };
   /// The factor must last until the last `grow`. `size`: √energy that counts, at least.
@@ -69,6 +71,9 @@ class KrylovSpace {
   [[nodiscard]] double start_rounding() const { return rounding_; }
   /// S z₀
   [[nodiscard]] std::vector<double> first_unknowns() const;
+  /// What the motion begins with, however fast it then decays: S⁻¹ S z₀ = Σ (−T)ᵏ S z₀. None where γ is too long for what decays, and the terms do not become shorter. The space has none of its
+  /// vectors after that.
+  [[nodiscard]] std::optional<std::vector<double>> unknowns_at_start();
   /// What impulses at the start make of S z₀, γ times which they are: S z₀ without S z(0).
   [[nodiscard]] std::vector<double> impulses();
   /// y(0).

@@ -89,6 +89,11 @@ PartRun::PartRun(const Part& part, const Request& request, double reltol, Method
 }
 
 void PartRun::signals(double time, double* values) {
+  if (segment_ && begins_at(time)) {
+    const std::vector<double>& start = signals_at_start();
+    std::copy(start.begin(), start.end(), values);
+    return;
+  }
   if (segment_) {
     const std::vector<double>& y = segment_->at(time - segment_->start());
     if (signals_read_sources_) sources_.evaluate(time, w_);
@@ -343,6 +348,11 @@ void PartRun::add_statistics(Statistics& s) const {
   const linalg::KluOrdering::Counts& counts = factors_.counts();
   s.klu_factorizations += counts.factorizations + counts.refactorizations + counts.partial_factorizations;
   s.klu_solves += factors_.counts().solves;
+  if (start_unknowns_) {
+    const linalg::KluOrdering::Counts& own = start_unknowns_->counts();
+    s.klu_factorizations += own.factorizations + own.refactorizations + own.partial_factorizations;
+    s.klu_solves += own.solves;
+  }
   s.steps += steps_;
 }
 

@@ -25,6 +25,7 @@
 #include "engine/sparse/segment_record.hpp"
 #include "engine/sparse/stall_watch.hpp"
 #include "engine/sparse/start.hpp"
+#include "engine/sparse/start_unknowns.hpp"
 #include "engine/sparse/step_certifier.hpp"
 #include "engine/sparse/stretch.hpp"
 #include "engine/sparse/tie_selector.hpp"
@@ -217,6 +218,8 @@ class PartRun {
   void certify_begin(const SegmentTimes& times);
   [[nodiscard]] std::vector<int> ports_at_zero(double tau);
   [[nodiscard]] Point point_of_segment(double tau, double time);
+  [[nodiscard]] bool begins_at(double time) const;
+  [[nodiscard]] const std::vector<double>& signals_at_start();
   void pass(const ExactSegment::Passage& passage);
   [[nodiscard]] bool passes_too(std::size_t control, const std::vector<double>& y, const std::vector<double>& slope) const;
   [[nodiscard]] bool is_same_instant(double a, double b) const;
@@ -271,6 +274,12 @@ class PartRun {
   StallWatch stall_;
   Stretch stretch_;
   std::unique_ptr<ExactSegment> segment_;  ///< where the method is segments
+  struct {
+    std::vector<double> z, memory;  ///< what it begins from
+    int passed = -1;                ///< the port that ended the one before; −1: none
+    std::vector<double> signals;    ///< there; empty until they are asked for
+  } segment_start_;
+  std::unique_ptr<StartUnknowns> start_unknowns_;  ///< null until a row asks for them
   std::vector<SegmentRecord>* records_ = nullptr;
   std::vector<Position> jumps_taken_;  ///< at the instant at hand
   bool stops_before_end_ = false;

@@ -64,6 +64,8 @@ bool PartRun::begin_segment() {
   if (request_.jumps && !instant.jump) error_ += segment_->start_error(point_.z, next.z);
   if (records_) record_begin(next);
   settle_in(next);
+  const bool is_port = passed >= 0 && passed < descriptor_.first_switch();
+  segment_start_ = {std::move(next.z), start_memory_, is_port && !instant.jump ? passed : -1, {}};
   finish_instant(instant);
   watch_accumulation(beginning, instant, passed);
   const bool goes_on = watch_crowd(time);
@@ -126,6 +128,30 @@ void PartRun::go_to_limit() {
   restart_due_ = true;
   position_before_ = point_.on;
   last_guard_ = passing_ = -1;
+}
+
+/// Whether a row at that time shows what the segment begins with.
+bool PartRun::begins_at(double time) const { return time - segment_->start() <= tolerance_; }
+
+/// The signals right after the instant, before anything decays; those of the segment, where that cannot be known or is the same.
+const std::vector<double>& PartRun::signals_at_start() {
+  std::vector<double>& values = segment_start_.signals;
+  if (!values.empty() || signals_.empty()) return values;
+  const double time = segment_->start();
+  std::vector<double> zeta, w;
+  sources_.states(time, zeta);
+  sources_.evaluate(time, w);
+  if (!start_unknowns_) start_unknowns_ = std::make_unique<StartUnknowns>(descriptor_, sources_, request_.stop);
+  const KrylovSpace::Origin origin{segment_start_.z, segment_start_.memory, zeta, segment_start_.passed};
+  const auto z = start_unknowns_->find({time, point_.on, origin, segment_->size(), segment_->step_length()});
+  const std::vector<double> y = segment_->at(0.0);
+  for (std::size_t i = 0; i < signals_.size(); ++i) {
+    values.push_back(Form::sum(signals_[i].w, w.data(), segment_->signal(i, y)));
+    if (!z) continue;
+    const double start = signals_[i].value(z->data(), w.data()), size = std::max({signal_scale_[i], std::abs(start), std::abs(values[i])});
+    if (std::abs(start - values[i]) > tolerance::known_digits * size) values[i] = start;  // else what rows behind it go on from
+  }
+  return values;
 }
 
 Point PartRun::point_of_segment(double tau, double time) {

@@ -42,7 +42,8 @@ void StartChange::take(const std::vector<double>& z, const std::vector<double>& 
   for (std::size_t i = 0; i < more.size(); ++i) right_[i] += shift * more[i];
 }
 
-double StartChange::closing(const DescriptorPort& port, double of_slack, double of_input) const {
+double StartChange::closing(const DescriptorPort& port, double of_slack, double of_input, bool is_at_zero) const {
+  if (is_at_zero) return -of_slack * Form::sum(port.slack.w, change_.data());
   const bool has_sources = one_ != 0.0;
   double slack = has_sources ? port.slack.value(z_, w_.data()) : Form::sum(port.slack.z, z_);
   const double size = has_sources ? port.slack_size(z_, w_.data()) : Form::size_of(port.slack.z, z_);

@@ -24,8 +24,8 @@ class StartChange {
   void take(const std::vector<double>& z, const std::vector<double>& more, const linalg::Vector& zeta, double shift);
   /// r, its closing rows without meaning.
   [[nodiscard]] const std::vector<double>& right() const { return right_; }
-  /// What the closing row  of_slack·s + of_input·u = 0  of a port misses: a slack that is rounding is zero.
-  [[nodiscard]] double closing(const DescriptorPort& port, double of_slack, double of_input) const;
+  /// What the closing row  of_slack·s + of_input·u = 0  of a port misses: a slack that is rounding is zero. `is_at_zero`: both are.
+  [[nodiscard]] double closing(const DescriptorPort& port, double of_slack, double of_input, bool is_at_zero = false) const;
 
  private:
   const Descriptor& descriptor_;
