@@ -143,28 +143,32 @@ std::vector<double> KrylovSpace::next_unknowns() const {
   return z;
 }
 
+/// By way of S² z₀, as what S z₀ has of impulses, and of the rounding of such, is in no point of the motion.
 std::optional<std::vector<double>> KrylovSpace::unknowns_at_start() {
+  apply(0);
+  vectors_.col(0) += changes_.col(0);
+  zetas_.col(0) += zeta_changes_.col(0);
   Vector sum = vectors_.col(0);
   const Eigen::Index nodes = descriptor_.nodes(), others = sum.size() - nodes;
   const auto largest_of = [](const auto& part) { return part.size() > 0 ? part.cwiseAbs().maxCoeff() : 0.0; };
   const auto share_of = [](double part, double whole) { return part > 0.0 ? part / whole : 0.0; };
   double before = INFINITY;
-  for (int k = 0; k < most_terms; ++k) {
+  for (int k = 1; k <= most_terms; ++k) {
     apply(0);
-    const Vector term = -changes_.col(0);
+    vectors_.col(0) = -changes_.col(0);
+    zetas_.col(0) = -zeta_changes_.col(0);
+    const Vector& term = vectors_.col(0);
     const double size = std::max(share_of(largest_of(term.head(nodes)), largest_of(sum.head(nodes))),
                                  share_of(largest_of(term.tail(others)), largest_of(sum.tail(others))));
-    const bool shrinks = k < first_terms || size <= share_of_term * before;
-    if (!shrinks && !(before <= tolerance::known_digits)) return std::nullopt;
-    if (shrinks) sum += term;
+    const bool shrinks = k <= first_terms || size <= share_of_term * before;
+    if (!shrinks && !(before <= tolerance::unknown_rounding)) return std::nullopt;
+    if (shrinks) sum += (k + 1.0) * term;
     if (!shrinks || size <= tolerance::solution_rounding) {
       std::vector<double> z(static_cast<std::size_t>(descriptor_.size()));
       Eigen::Map<Vector>(z.data(), vectors_.rows()) = norm_ * sum;
       return z;
     }
     before = size;
-    vectors_.col(0) = term;
-    zetas_.col(0) = -zeta_changes_.col(0);
   }
   return std::nullopt;
 }

@@ -71,7 +71,7 @@ class KrylovSpace {
   [[nodiscard]] double start_rounding() const { return rounding_; }
   /// S z₀
   [[nodiscard]] std::vector<double> first_unknowns() const;
-  /// What the motion begins with, however fast it then decays: S⁻¹ S z₀ = Σ (−T)ᵏ S z₀. None where γ is too long for what decays, and the terms do not become shorter. The space has none of its
+  /// What the motion begins with, however fast it then decays: S⁻² S² z₀ = Σ (k + 1) (−T)ᵏ S² z₀. None where γ is too long for what decays, and the terms do not become shorter. The space has none of its
   /// vectors after that.
   [[nodiscard]] std::optional<std::vector<double>> unknowns_at_start();
   /// What impulses at the start make of S z₀, γ times which they are: S z₀ without S z(0).

@@ -275,6 +275,7 @@ class PartRun {
   Stretch stretch_;
   std::unique_ptr<ExactSegment> segment_;  ///< where the method is segments
   struct {
+    Position on;
     std::vector<double> z, memory;  ///< what it begins from
     int passed = -1;                ///< the port that ended the one before; −1: none
     std::vector<double> signals;    ///< there; empty until they are asked for

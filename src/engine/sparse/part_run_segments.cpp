@@ -65,7 +65,7 @@ bool PartRun::begin_segment() {
   if (records_) record_begin(next);
   settle_in(next);
   const bool is_port = passed >= 0 && passed < descriptor_.first_switch();
-  segment_start_ = {std::move(next.z), start_memory_, is_port && !instant.jump ? passed : -1, {}};
+  segment_start_ = {point_.on, std::move(next.z), start_memory_, is_port && !instant.jump ? passed : -1, {}};
   finish_instant(instant);
   watch_accumulation(beginning, instant, passed);
   const bool goes_on = watch_crowd(time);
@@ -143,7 +143,7 @@ const std::vector<double>& PartRun::signals_at_start() {
   sources_.evaluate(time, w);
   if (!start_unknowns_) start_unknowns_ = std::make_unique<StartUnknowns>(descriptor_, sources_, request_.stop);
   const KrylovSpace::Origin origin{segment_start_.z, segment_start_.memory, zeta, segment_start_.passed};
-  const auto z = start_unknowns_->find({time, point_.on, origin, segment_->size(), segment_->step_length()});
+  const auto z = start_unknowns_->find({time, segment_start_.on, origin, segment_->size(), segment_->step_length()});
   const std::vector<double> y = segment_->at(0.0);
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     values.push_back(Form::sum(signals_[i].w, w.data(), segment_->signal(i, y)));
