@@ -401,3 +401,12 @@ TEST_CASE("a row after an event has what the segment begins with, before any dec
   }
   CHECK(events == run.answer.statistics.events);
 }
+
+// The stop holds the first cart at x1 = 0: its force is 2 x1 - x2 = 1. The end of that segment, where the diode blocks, is known before the first row is written: its row was that of the position behind it.
+TEST_CASE("the first row is one of the position in which the run begins by Krylov segments", "[regression]") {
+  const DeckRun run = run_deck_segments(std::filesystem::path(PWLSIM_SOURCE_DIR) / "netlists/carts.net");
+  REQUIRE(run.answer.outcome == pwlsim::engine::Outcome::completed);
+  const auto force = static_cast<std::size_t>(std::find(run.signals.begin(), run.signals.end(), "i(D1)") - run.signals.begin());
+  REQUIRE(force < run.signals.size());
+  CHECK(run.rows.front()[1 + force] == Approx(1.0).epsilon(1e-12));
+}
