@@ -89,8 +89,8 @@ bool finds_orbit_by_segments(const Compiled& compiled, EngineChoice choice) {
   return !steady::common_period(needed_sources(compiled.network)).sources.empty();
 }
 
-engine::StoreValues values_of(const engine::sparse::PeriodMap& map, const engine::sparse::PeriodMap::State& state) {
-  engine::StoreValues values;
+engine::GivenStores values_of(const engine::sparse::PeriodMap& map, const engine::sparse::PeriodMap::State& state) {
+  engine::GivenStores values;
   const linalg::Vector stored = map.values(map.energies(map.unknowns(state)));
   for (std::size_t i = 0; i < map.stores().size(); ++i) {
     const auto& store = map.stores()[i];

@@ -339,7 +339,7 @@ RunStart start_from_initial_values(const ExactModel& model) {
   return start;
 }
 
-RunStart start_from(const ExactModel& model, const StoreValues& values) {
+RunStart start_from(const ExactModel& model, const GivenStores& values) {
   RunStart start;
   for (const auto& s : model.switches) start.on.push_back(s.initially_on);
   const auto value_of = [](const auto& known, const std::string& name) {

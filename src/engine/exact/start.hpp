@@ -24,12 +24,12 @@ struct RunStart : RunState {
 [[nodiscard]] RunStart start_from_initial_values(const ExactModel& model);
 
 /// Of stores, by the names of their elements. What is not there is zero.
-struct StoreValues {
+struct GivenStores {
   std::unordered_map<std::string, double> voltages;  ///< of capacitors, V
   std::unordered_map<std::string, double> currents;  ///< of inductors, A
 };
 
 /// At these values, as found by another engine: to its tolerance they may contradict the circuit, without a remark.
-[[nodiscard]] RunStart start_from(const ExactModel& model, const StoreValues& values);
+[[nodiscard]] RunStart start_from(const ExactModel& model, const GivenStores& values);
 
 }  // namespace pwlsim::engine
