@@ -13,7 +13,7 @@ class NewtonCycle {
  public:
   /// From now on nothing before counts.
   void restart() { norms_.clear(); }
-  /// Whether a step begins with the residual of one before, by its norm.
+  /// Of a step that would be taken: whether it begins with the residual of one before, by its norm. (Periods of a drift have the same one, and are no steps.)
   [[nodiscard]] bool closes(double norm) {
     const bool is_known = std::any_of(norms_.begin(), norms_.end(),
                                       [&](double before) { return std::abs(norm - before) <= tolerance::same_residual * norm; });

@@ -65,7 +65,7 @@ class Search {
       }
       if (is_small(f)) return finish(f);
       if (best_norm_ < 0.0 || f.norm() < much_better * best_norm_) keep(f);
-      const Progress progress = follows_ > 0 ? follow_on(f) : cycle_.closes(f.norm()) ? Progress::stuck : step(f);
+      const Progress progress = follows_ > 0 ? follow_on(f) : step(f);
       if (progress == Progress::done) return finish(f);
       if (progress == Progress::failed) return std::move(orbit_);
       if (progress == Progress::stuck && !begin_to_follow(f)) return std::move(orbit_);
@@ -233,7 +233,7 @@ class Search {
     const Vector f_next = residual(trial, next);
     if (f.norm() <= tolerance::close_residual * orbit_.largest && f_next.norm() > least_gain * f.norm()) return Progress::done;
     const bool passes = solve(f_next).norm() <= 0.75 * delta.norm();
-    if (!passes && bold_-- <= 0) return Progress::stuck;
+    if ((!passes && bold_-- <= 0) || cycle_.closes(f.norm())) return Progress::stuck;
     return accept(std::move(trial), std::move(next));
   }
 

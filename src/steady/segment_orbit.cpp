@@ -69,7 +69,7 @@ class SegmentSearch {
       }
       if (is_small()) return finish();
       if (best_norm_ < 0.0 || norm_ < pays * best_norm_) keep();
-      const Progress progress = follows_ > 0 ? implicit_step() : cycle_.closes(norm_) ? Progress::stuck : newton_step();
+      const Progress progress = follows_ > 0 ? implicit_step() : newton_step();
       if (progress == Progress::done) return finish();
       if (progress == Progress::failed) return std::move(orbit_);
       if (progress == Progress::stuck && !begin_to_follow()) return std::move(orbit_);
@@ -253,7 +253,7 @@ class SegmentSearch {
       if (trial.norm < norm_) accept(std::move(trial));
       return Progress::done;
     }
-    if (!passes(trial, map_.energies(found->delta).norm()) && bold_-- <= 0) return Progress::stuck;
+    if ((!passes(trial, map_.energies(found->delta).norm()) && bold_-- <= 0) || cycle_.closes(norm_)) return Progress::stuck;
     accept(std::move(trial));
     return Progress::stepped;
   }
