@@ -219,6 +219,10 @@ class Finder {
     state_.messages.push_back({severity, std::move(id), {}, std::move(text)});
   }
 
+  void tell(const std::vector<engine::Remark>& remarks) {
+    for (const engine::Remark& remark : remarks) state_.messages.push_back(message_of(remark));
+  }
+
   /// Over a few periods of the guess, behind tstab.
   double mean_of(std::size_t signal) {
     constexpr double periods = 16.0;
@@ -311,18 +315,15 @@ class Finder {
   engine::RunState start() {
     const engine::RunStart from =
         card_.use_initial_conditions ? engine::start_from_initial_values(*model_) : engine::start_from_operating_point(*model_);
-    for (const engine::Remark& remark : from.answer.remarks) state_.messages.push_back(message_of(remark));
+    tell(from.answer.remarks);
     return from;
   }
 
   void find_driven() {
     if (has_segments_) return find_driven_by_segments();
     const bool begins_on_segments = runs_by_segments(compiled_.network, choice_ == EngineChoice::modes ? EngineChoice::exact : choice_);
-    if (begins_on_segments) {
-      const auto remarks = find_driven_from_segments();
-      for (const engine::Remark& remark : remarks.value_or(std::vector<engine::Remark>{})) state_.messages.push_back(message_of(remark));
-      if (remarks) return;
-    }
+    if (begins_on_segments)
+      if (const auto remarks = find_driven_from_segments()) return tell(*remarks);
     state_.orbit = steady::find_driven_orbit(*march_, start(), task_);
     if (state_.orbit.verdict == Verdict::not_converged && !begins_on_segments) (void)find_driven_from_segments();
   }
@@ -355,7 +356,7 @@ class Finder {
 
   void find_driven_by_segments() {
     const engine::sparse::Starts from = state_.map->start(card_.use_initial_conditions);
-    for (const engine::Remark& remark : from.answer.remarks) state_.messages.push_back(message_of(remark));
+    tell(from.answer.remarks);
     if (from.answer.outcome != engine::Outcome::completed) {
       state_.orbit.verdict = Verdict::run_failed;
       state_.orbit.answer = from.answer;
