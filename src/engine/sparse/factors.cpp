@@ -17,8 +17,9 @@ namespace {
 constexpr std::size_t most_bytes = 192u << 20;  ///< of all factors together
 constexpr std::size_t bytes_of_entry = 16;
 constexpr std::size_t fewest_factors = 3, most_factors = 1024;  ///< a period of hundreds of segments is gone through again and again
-constexpr std::size_t first_kept = 16, growth_of_kept = 2;  ///< factors; where one that was given up is wanted again, so many times more
-constexpr std::size_t most_given_up = 4096;                 ///< that are known
+constexpr std::size_t first_kept = 16, growth_of_kept = 2;  ///< factors; where many that were given up are wanted again, so many times more
+constexpr double share_of_missed = 0.25;
+constexpr std::size_t most_given_up = 4096;  ///< that are known
 /// A position so few ports away from one that is factored is reached by their columns, of which it may have so many times more; solved for so often, by a factor of its
 /// own.
 constexpr std::size_t most_closings = 4, columns_of_flip = 8;
@@ -69,9 +70,13 @@ std::size_t Factors::key(double shift, const Position& on) {
   return hash({on.data(), on.size()}) ^ std::hash<double>{}(shift);
 }
 
-/// A run that goes through many positions once needs none of their factors again, and memory that is used again is in the cache.
+/// A run that goes through many positions once needs few of their factors again, and memory that is used again is mapped and in the cache. Of as many factors as are kept, those are counted that had
+/// been given up.
 void Factors::keep_more_if_missed(double shift, const Position& on) {
-  if (given_up_.erase(key(shift, on)) > 0) kept_ = std::min(growth_of_kept * kept_, most_factors);
+  missed_ += given_up_.erase(key(shift, on));
+  if (++made_ < kept_) return;
+  if (static_cast<double>(missed_) >= share_of_missed * static_cast<double>(made_)) kept_ = std::min(growth_of_kept * kept_, most_factors);
+  made_ = missed_ = 0;
 }
 
 /// Once there is no room: the oldest of at least two with the same position, whose pivots are good, or the oldest of all.

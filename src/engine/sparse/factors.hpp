@@ -125,6 +125,7 @@ class Factors {
   std::vector<Entry> entries_;
   std::size_t kept_;                          ///< factors
   std::unordered_set<std::size_t> given_up_;  ///< keys of factors that were given up for others
+  std::size_t made_ = 0, missed_ = 0;         ///< factors since the last look, and those of them that had been given up
   std::vector<double> values_;
   struct {
     double shift = 0.0, unit = 1.0;
