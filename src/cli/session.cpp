@@ -20,6 +20,7 @@
 #include "analysis/steady_state.hpp"
 #include "cli/analysis_session.hpp"
 #include "cli/deck_reader.hpp"
+#include "cli/heap.hpp"
 #include "cli/schematic_json.hpp"
 #include "cli/signals.hpp"
 #include "cli/split_files.hpp"
@@ -102,6 +103,7 @@ int Session::prepare() {
     run_.outcome.drawn_signals.push_back(run_.compiled->network.signals[k].name);
   if (const int signalled = interrupted_before_run(); signalled != 0) return signalled;
   Diagnostics diagnostics;
+  if (!run_.is_stepped()) share_heap();
   const double model_start = run_.seconds();
   run_.reltol = analysis::relative_tolerance(run_.options.reltol, run_.analyses());
   if (!run_.is_stepped())
