@@ -140,13 +140,15 @@ double KrylovSpace::size_of_states(const std::vector<double>& z) const {
 }
 
 /// The largest of |G| |z| in the rows of nodes.
-double KrylovSpace::largest_conducted(const std::vector<double>& z) const {
-  const std::vector<int>&start = conduction_of_nodes_.pattern.start, &column = conduction_of_nodes_.pattern.row;
+double KrylovSpace::largest_conducted(const std::vector<double>& z) {
+  sizes_.resize(z.size());
+  for (std::size_t i = 0; i < z.size(); ++i) sizes_[i] = std::abs(z[i]);
+  const int *const start = conduction_of_nodes_.pattern.start.data(), *const column = conduction_of_nodes_.pattern.row.data();
+  const double *const conduction = conduction_of_nodes_.values.data(), *const size = sizes_.data();
   double most = 0.0;
-  for (std::size_t node = 0; node + 1 < start.size(); ++node) {
+  for (std::size_t node = 0; node + 1 < conduction_of_nodes_.pattern.start.size(); ++node) {
     double sum = 0.0;
-    for (auto k = static_cast<std::size_t>(start[node]); k < static_cast<std::size_t>(start[node + 1]); ++k)
-      sum += std::abs(conduction_of_nodes_.values[k] * z[static_cast<std::size_t>(column[k])]);
+    for (int k = start[node]; k < start[node + 1]; ++k) sum += conduction[k] * size[column[k]];
     most = std::max(most, sum);
   }
   return most;

@@ -32,6 +32,7 @@ KrylovSpace::KrylovSpace(const Descriptor& descriptor, const model::Exosystem& e
       stores_(descriptor.memory_diagonal()),
       coupling_(coupling_of(descriptor.network())),
       conduction_of_nodes_(linalg::transposed(descriptor.conduction(), descriptor.nodes())) {
+  for (double& value : conduction_of_nodes_.values) value = std::abs(value);
   source_weight_ = Vector::Ones(exosystem.size());
   // A milliampere counts as much as the constant 1; a kilovolt keeps counting as more.
   std::vector<double> zeta(static_cast<std::size_t>(exosystem.size()));

@@ -155,7 +155,7 @@ class KrylovSpace {
   [[nodiscard]] bool contradicts(const std::vector<double>& z, const linalg::Vector& w, double one) const;
   [[nodiscard]] double weight_of_error() const;
   void measure(const std::vector<double>& z, const linalg::Vector& zeta, double* x) const;
-  [[nodiscard]] double largest_conducted(const std::vector<double>& z) const;
+  [[nodiscard]] double largest_conducted(const std::vector<double>& z);
   [[nodiscard]] double rounding_of_states(const std::vector<double>& z);
   [[nodiscard]] double terms_of(const linalg::Vector& of_vectors, const linalg::Vector& of_changes) const;
   void note_largest(const linalg::Matrix& columns, Eigen::Index row, Eigen::Index j);
@@ -181,7 +181,7 @@ class KrylovSpace {
   std::vector<char> differential_;
   std::vector<double> stores_;  ///< the diagonal of E
   double coupling_ = 1.0;
-  linalg::SparseMatrix conduction_of_nodes_;  ///< the rows of nodes of G, as columns
+  linalg::SparseMatrix conduction_of_nodes_;  ///< the rows of nodes of |G|, as columns
   std::vector<double> state_weight_;
   std::vector<double> state_sizes_;                             ///< empty: errors count by their energy alone
   linalg::Vector source_weight_;                                ///< 1 over what a state of sources is at most

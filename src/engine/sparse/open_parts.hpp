@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "base/disjoint_sets.hpp"
 #include "engine/sparse/descriptor.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -23,15 +24,23 @@ class OpenParts {
   [[nodiscard]] int loops(const Position& on) const;
 
  private:
-  struct Link {
-    model::NodeIndex p, n;
+  /// Nodes that are one, ground among them as −1.
+  class NodeSets {
+   public:
+    explicit NodeSets(std::size_t nodes) : sets_(static_cast<int>(nodes) + 1) {}
+    /// False: they were one already.
+    bool join(model::NodeIndex a, model::NodeIndex b) { return sets_.join(a + 1, b + 1); }
+
+   private:
+    static_assert(model::ground == -1);
+    DisjointSets sets_;
   };
-  std::size_t nodes_ = 0;
   bool tells_all_ = true;
-  std::vector<Link> solid_;   ///< resistors, stores: they tie potentials
-  std::vector<Link> shorts_;  ///< voltage sources: they do, and close loops
-  std::vector<Link> wires_;   ///< solid ones that do, too
-  struct PortLink : Link {
+  NodeSets parts_;  ///< that resistors, stores and voltage sources tie
+  NodeSets loops_;  ///< that voltage sources tie
+  NodeSets wired_;  ///< that wires do, too
+  struct PortLink {
+    model::NodeIndex p, n;
     int index;
     bool is_short;  ///< when it conducts
   };

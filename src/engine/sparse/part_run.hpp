@@ -217,7 +217,7 @@ class PartRun {
   [[nodiscard]] bool follow_segment();
   void certify_begin(const SegmentTimes& times);
   [[nodiscard]] std::vector<int> ports_at_zero(double tau);
-  [[nodiscard]] Point point_of_segment(double tau, double time);
+  [[nodiscard]] Point point_of_segment(double tau, double time, bool has_rates);
   [[nodiscard]] bool begins_at(double time) const;
   [[nodiscard]] const std::vector<double>& signals_at_start();
   void pass(const ExactSegment::Passage& passage);

@@ -219,11 +219,11 @@ bool PartRun::share_freely() {
 /// Where the rows of the segment have lost digits, it is made of solutions that are corrected, if that leaves its signs as they are. False: failed.
 bool PartRun::correct_rows() {
   if (segment_->is_refined() || !certificate_.looks_next()) return true;
-  const Point first = point_of_segment(0.0, point_.time);
+  const Point first = point_of_segment(0.0, point_.time, true);
   if (!(certificate_.row_residual(first, {.length = segment_->length()}) > tolerance::doubtful_rows)) return true;
   segment_->refine(true);
   if (open_segment(point_.on) == ExactSegment::Opened::yes && segment_->negative().empty() &&
-      segment_->distance(first.z, point_of_segment(0.0, point_.time).z) <= tolerance::start_rounding) {
+      segment_->distance(first.z, point_of_segment(0.0, point_.time, false).z) <= tolerance::start_rounding) {
     segment_->refine_position();
     return true;
   }

@@ -48,7 +48,7 @@ bool PartRun::begin_segment() {
   segment_->note_jump(0.0);
   segment_->set_signals(signals_);
   segment_tau_ = 0.0;
-  Point next = point_of_segment(0.0, time);
+  Point next = point_of_segment(0.0, time, certificate_.looks_next());
   instant.jump |= moves(states, z, next.z);
   instant.mode_change |= segment_->changes_visibly(position_before_);
   if (instant.jump && request_.jumps && jump_details_.size() < most_jumps_kept && !jump_steps_.first.z.empty()) {
@@ -122,7 +122,7 @@ bool PartRun::may_go_to(const AccumulationWatch::Limit& limit) const {
 
 /// The segment at hand goes on past the events that are left, as what they change of the states until then is nothing.
 void PartRun::go_to_limit() {
-  Point next = point_of_segment(limit_->time - segment_->start(), limit_->time);
+  Point next = point_of_segment(limit_->time - segment_->start(), limit_->time, false);
   settle_in(next);
   segment_tau_ = limit_->time - segment_->start();
   restart_due_ = true;
@@ -154,13 +154,14 @@ const std::vector<double>& PartRun::signals_at_start() {
   return values;
 }
 
-Point PartRun::point_of_segment(double tau, double time) {
+/// With its rates where the certificate, or a record, looks at them.
+Point PartRun::point_of_segment(double tau, double time, bool has_rates) {
   Point point;
   point.on = point_.on;
   point.time = time;
   const std::vector<double>& y = segment_->at(tau);
   segment_->unknowns(y, point.z);
-  segment_->rates(y, point.k, point.k_sizes);
+  if (has_rates) segment_->rates(y, point.k, point.k_sizes);
   sources_.evaluate(time, point.w);
   return point;
 }
@@ -181,11 +182,12 @@ bool PartRun::follow_segment() {
   for (const double share : inner_points) {
     if (!certificate_.wants_point()) continue;
     const double inside = segment_tau_ + share * (tau - segment_tau_);
-    certificate_.add_point(point_of_segment(inside, segment_->start() + inside), ports_, times);
+    certificate_.add_point(point_of_segment(inside, segment_->start() + inside, true), ports_, times);
   }
   watch_inside(tau);
   const double time = segment_->start() + tau;
-  Point next = point_of_segment(tau, is_same_instant(time, limit) ? limit : time);
+  const bool has_rates = certificate_.looks_next() || records_ != nullptr;
+  Point next = point_of_segment(tau, is_same_instant(time, limit) ? limit : time, has_rates);
   certificate_.add_point(next, ports_, times, ports_at_zero(tau));
   if (records_ && tau >= passage.tau) record_end(next, tau, passage);
   settle_in(next);
@@ -207,7 +209,7 @@ void PartRun::certify_begin(const SegmentTimes& times) {
     double residual = 0.0;
     while (!(residual > residual_left * doubt) && lasting.followed > shortest) {
       lasting.followed *= 0.5;
-      const Point inside = point_of_segment(lasting.followed, segment_->start() + lasting.followed);
+      const Point inside = point_of_segment(lasting.followed, segment_->start() + lasting.followed, true);
       certificate_.add_point(inside, ports_, lasting, at_zero);
       residual = certificate_.row_residual(inside, times);
     }

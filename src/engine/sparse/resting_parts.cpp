@@ -82,9 +82,10 @@ void RestingParts::find(const Position& on, const Origin& start, const std::vect
     has_current |= states[i].is_current && holds_[i] != 0;
   }
   rests_.assign(edges_.size(), 0);
-  if (!is_known && (has_empty || has_current)) divide(on);
-  has_blocks_ = is_known || has_empty || has_current;
-  if (has_empty || (has_current && cuts_current())) find_blocks(start);
+  const bool has_resting_blocks = has_empty || (has_current && cuts_current());
+  if (!is_known && has_resting_blocks) divide(on);
+  has_blocks_ = is_known || has_resting_blocks;
+  if (has_resting_blocks) find_blocks(start);
   take_out_ends(start);
 }
 
@@ -96,13 +97,33 @@ void RestingParts::divide(const Position& on) {
   blocks_ = blocks_of(static_cast<int>(at_.size()), ends_);
 }
 
-/// Whether an inductor that carries a current is a block alone.
-bool RestingParts::cuts_current() const {
+/// Whether an inductor that carries a current is a block alone. All else that conducts makes one node of what it joins, which leaves blocks of one edge as they are, and few edges.
+bool RestingParts::cuts_current() {
   const auto& states = descriptor_.states();
-  return std::any_of(blocks_.list.begin(), blocks_.list.end(), [&](const Block& block) {
-    const auto e = static_cast<std::size_t>(conducting_[static_cast<std::size_t>(blocks_.edges_of(block).front())]);
-    return is_alone(block) && e < states.size() && states[e].is_current && holds_[e] != 0;
-  });
+  DisjointSets joined(static_cast<int>(at_.size()));
+  open_.clear();
+  for (std::size_t i = 0; i < edges_.size(); ++i) {
+    const Edge& edge = edges_[i];
+    if (i < states.size() && states[i].is_current && holds_[i] != 0)
+      open_.push_back(static_cast<int>(i));
+    else if (conducts(edge))
+      joined.join(edge.a, edge.b);
+  }
+  std::vector<int> number(at_.size(), nowhere);
+  int count = 0;
+  const auto number_of = [&](int node) {
+    int& of_set = number[static_cast<std::size_t>(joined.find(node))];
+    if (of_set == nowhere) of_set = count++;
+    return of_set;
+  };
+  std::vector<std::pair<int, int>> ends;
+  for (const int i : open_) {
+    const Edge& edge = edges_[static_cast<std::size_t>(i)];
+    const int a = number_of(edge.a), b = number_of(edge.b);
+    ends.emplace_back(a, b);
+  }
+  const Blocks blocks = blocks_of(count, ends);
+  return std::any_of(blocks.list.begin(), blocks.list.end(), is_alone);
 }
 
 /// Nodes that are one.
