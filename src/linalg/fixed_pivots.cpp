@@ -130,21 +130,27 @@ void FixedPivotFactor::solve(double* b, std::vector<double>& work) const {
   const int *const row = p.row.data(), *const column = p.column.data();
   const int *const lower_start = p.lower_start.data(), *const lower_row = p.lower_row.data();
   const int *const upper_start = p.upper_start.data(), *const upper_row = p.upper_row.data();
-  const double *const lower = values_.lower.data(), *const upper = values_.upper.data();
+  const double *const lower = values_.lower.data(), *const upper = values_.upper.data(),
+                      *const inverse_pivot = values_.inverse_pivot.data();
   for (std::size_t i = 0; i < n; ++i) x[i] = b[i] * values_.row_factor[i];
-  for (std::size_t block = p.block.size() - 1; block-- > 0;) {
+  const auto substitute_back = [&](std::size_t first, std::size_t end) {
+    for (std::size_t k = end; k-- > first;) {
+      const double factor = x[row[k]] * inverse_pivot[k];
+      b[column[k]] = factor;
+      if (factor == 0.0) continue;
+      for (int u = upper_start[k]; u < upper_start[k + 1]; ++u) x[upper_row[u]] -= upper[u] * factor;
+    }
+  };
+  const std::size_t singles = index(p.single_rows);
+  substitute_back(n - singles, n);
+  for (std::size_t block = p.block.size() - 1 - singles; block-- > 0;) {
     const std::size_t first = index(p.block[block]), end = index(p.block[block + 1]);
     for (std::size_t k = first; k + 1 < end; ++k) {
       const double factor = x[row[k]];
       if (factor == 0.0) continue;
       for (int l = lower_start[k]; l < lower_start[k + 1]; ++l) x[lower_row[l]] -= lower[l] * factor;
     }
-    for (std::size_t k = end; k-- > first;) {
-      const double factor = x[row[k]] * values_.inverse_pivot[k];
-      b[column[k]] = factor;
-      if (factor == 0.0) continue;
-      for (int u = upper_start[k]; u < upper_start[k + 1]; ++u) x[upper_row[u]] -= upper[u] * factor;
-    }
+    substitute_back(first, end);
   }
 }
 

@@ -158,7 +158,7 @@ linalg::Factored Factors::factor(Entry& entry, const std::vector<int>& ties, boo
   f.descriptor_ = &descriptor_;
   f.flips_.clear();
   f.columns_ = std::make_shared<Factor::Columns>();
-  f.columns_->of_port.resize(entry.on.size());
+  if (!keeps_digits_) f.columns_->of_port.resize(entry.on.size());
   f.closing_.reset();
   f.ties_.clear();
   f.open_.clear();

@@ -21,6 +21,14 @@ constexpr double most_growth = 1e3;  ///< of y over a segment: more is made of r
 constexpr int most_terms = 40, first_terms = 2;
 constexpr double share_of_term = 0.25;
 
+/// The rows of G that are rows of E, too.
+linalg::SparseMatrix conduction_of_stores(const linalg::SparseMatrix& conduction, const std::vector<char>& is_differential) {
+  std::vector<double> values = conduction.values;
+  for (std::size_t e = 0; e < values.size(); ++e)
+    if (is_differential[static_cast<std::size_t>(conduction.pattern.row[e])] == 0) values[e] = 0.0;
+  return linalg::without_zeros(conduction.pattern, values);
+}
+
 }  // namespace
 
 KrylovSpace::KrylovSpace(const Descriptor& descriptor, const model::Exosystem& exosystem, double stop)
@@ -31,6 +39,7 @@ KrylovSpace::KrylovSpace(const Descriptor& descriptor, const model::Exosystem& e
       differential_(descriptor.differential_rows()),
       stores_(descriptor.memory_diagonal()),
       coupling_(coupling_of(descriptor.network())),
+      conduction_of_stores_(conduction_of_stores(descriptor.conduction(), differential_)),
       conduction_of_nodes_(linalg::transposed(descriptor.conduction(), descriptor.nodes())) {
   for (double& value : conduction_of_nodes_.values) value = std::abs(value);
   source_weight_ = Vector::Ones(exosystem.size());
@@ -188,7 +197,8 @@ void KrylovSpace::apply(int j) {
   const Vector zeta = zetas_.col(j);
   const Vector change = after_step(exosystem_, 1.0 / shift_, exosystem_.rates(zeta) / shift_);
   right_.resize(static_cast<std::size_t>(descriptor_.size()));
-  descriptor_.conduct(vectors_.col(j).data(), right_.data());
+  linalg::multiply(conduction_of_stores_.pattern, conduction_of_stores_.values, vectors_.col(j).data(), right_.data());
+  for (double& value : right_) value = -value;
   add_sources(zeta, right_);
   for (std::size_t i = 0; i < right_.size(); ++i)
     if (differential_[i] == 0) right_[i] = 0.0;

@@ -181,7 +181,8 @@ class KrylovSpace {
   std::vector<char> differential_;
   std::vector<double> stores_;  ///< the diagonal of E
   double coupling_ = 1.0;
-  linalg::SparseMatrix conduction_of_nodes_;  ///< the rows of nodes of |G|, as columns
+  linalg::SparseMatrix conduction_of_stores_;  ///< the rows of G that are rows of E, too
+  linalg::SparseMatrix conduction_of_nodes_;   ///< the rows of nodes of |G|, as columns
   std::vector<double> state_weight_;
   std::vector<double> state_sizes_;                             ///< empty: errors count by their energy alone
   linalg::Vector source_weight_;                                ///< 1 over what a state of sources is at most
