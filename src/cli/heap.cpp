@@ -20,24 +20,23 @@ constexpr int at_first = 64 * mebibyte;  ///< of addresses; memory is mapped whe
 constexpr int more_at_once = 16 * mebibyte;
 constexpr std::uintptr_t large_page = 2 * mebibyte;
 
-/// What the heap has been given so far, from its first whole large page on. Advice only: a system without large pages refuses it, and has lost nothing.
-void ask_for_large_pages(const void* first) {
-  const auto begin = (reinterpret_cast<std::uintptr_t>(first) + large_page - 1) / large_page * large_page;
-  const auto end = reinterpret_cast<std::uintptr_t>(sbrk(0));
-  if (begin < end) (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
-}
+std::uintptr_t address(const void* at) { return reinterpret_cast<std::uintptr_t>(at); }
 
 }  // namespace
 
+/// Advice only: a system without large pages refuses it, and has lost nothing but addresses.
 void prepare_heap() {
   mallopt(M_MMAP_THRESHOLD, 32 * mebibyte);
   mallopt(M_TRIM_THRESHOLD, 256 * mebibyte);
   mallopt(M_TOP_PAD, at_first);
-  void* const first = sbrk(0);
   void* volatile block = std::malloc(mebibyte);  // volatile: a compiler may leave out a pair of malloc and free
-  std::free(block);
   mallopt(M_TOP_PAD, more_at_once);
-  ask_for_large_pages(first);
+  const std::uintptr_t first = address(block), end = address(sbrk(0));
+  const std::uintptr_t begin = (first + mebibyte + large_page) / large_page * large_page;  // behind what malloc has written
+  std::free(block);
+  if (first == 0 || !(begin < end)) return;
+  (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+  block = std::malloc(begin - first);  // for good: all that comes after it is in large pages
 }
 
 void share_heap() { mallopt(M_ARENA_MAX, 1); }
