@@ -345,14 +345,12 @@ void PartRun::add_statistics(Statistics& s) const {
   s.events += events_;
   s.jumps += jumps_;
   s.lcp_pivots += ports_.pivots() + (ties_ ? ties_->pivots() : 0);
-  const linalg::KluOrdering::Counts& counts = factors_.counts();
-  s.klu_factorizations += counts.factorizations + counts.refactorizations + counts.partial_factorizations;
-  s.klu_solves += factors_.counts().solves;
-  if (start_unknowns_) {
-    const linalg::KluOrdering::Counts& own = start_unknowns_->counts();
-    s.klu_factorizations += own.factorizations + own.refactorizations + own.partial_factorizations;
-    s.klu_solves += own.solves;
-  }
+  const auto add = [&s](const linalg::KluOrdering::Counts& counts) {
+    s.klu_factorizations += counts.factorizations + counts.refactorizations + counts.partial_factorizations;
+    s.klu_solves += counts.solves;
+  };
+  add(factors_.counts());
+  if (start_unknowns_) add(start_unknowns_->counts());
   s.steps += steps_;
 }
 
