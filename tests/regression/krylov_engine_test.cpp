@@ -353,7 +353,7 @@ TEST_CASE("a line without loss has long segments beside slow stores", "[regressi
   constexpr double agreement = 1e-9, henries = 1e-6, farads = 1e-9, stop = 50e-6, most_of_a_radian = 2.0, least_of_a_step = 15.0;
   constexpr int sections = 20;
   const auto* const beside = GENERATE(  // a multiplier, and a grid behind a rectifier
-      "V1 s 0 SIN(0 100 50)\nCA1 a1 s 5u ic=90\nCB1 b1 0 5u ic=180\nDA1 0 a1 DI\nDB1 a1 b1 DI\nCA2 a2 a1 5u ic=180\nCB2 b2 b1 5u ic=180\n"
+      "V1 s 0 SIN(0 1 50)\nCA1 a1 s 1u ic=0.9\nCB1 b1 0 1u ic=1.8\nDA1 0 a1 DI\nDB1 a1 b1 DI\nCA2 a2 a1 1u ic=1.8\nCB2 b2 b1 1u ic=1.8\n"
       "DA2 b1 a2 DI\nDB2 a2 b2 DI\nRL b2 0 200k\nRT x10 b1 1meg\n",
       "V1 s 0 SIN(0 10 1k 0 0 180)\nRS s w 0.5\nDR w a DI\nR1 a b 1\nR2 b c 1\nR3 c d 1\nR4 d a 1\nCa a 0 1u ic=8\nCb b 0 1u ic=8\n"
       "Cc c 0 1u ic=8\nCd d 0 1u ic=8\nRG a 0 1k\nRT x10 b 10\nRU x20 c 1k\n");
