@@ -381,7 +381,8 @@ bool ExactSegment::keeps_digits() { return space_.loss() <= most_loss && has_dig
 bool ExactSegment::takes_longer_turn() {
   Habit& habit = habits_[key_];
   const double longer = (space_.is_full() ? ladder : ladder_of_turns) * habit.turn;
-  if (!is_for_turning(habit, length_) || longer > (space_.is_full() ? habit.longest : longer_turn)) return false;
+  if (space_.dimension() < many_vectors || !is_for_turning(habit, length_)) return false;
+  if (longer > (space_.is_full() ? habit.longest : longer_turn)) return false;
   habit.turn = longer;
   return true;
 }
@@ -404,7 +405,7 @@ void ExactSegment::note_digits(int vectors, bool has_all) {
 /// What a constraint decides has a rounding that grows with each vector, however long the segment: one of fewer vectors is shorter, and has digits. False: it is no longer than one that is made anew.
 bool ExactSegment::takes_back(double length) {
   const auto* at = std::lower_bound(dimensions.begin(), dimensions.end(), space_.dimension());
-  while (at != dimensions.begin() && *(at - 1) >= least_to_foretell) {
+  while (at != dimensions.begin() && *(at - 1) >= many_vectors) {
     space_.shrink(*--at);
     if (!space_.is_sound()) continue;
     if (!is_cut_within(space_.estimate(length)) || length_ <= length / shorter) return false;
@@ -418,7 +419,8 @@ bool ExactSegment::takes_back(double length) {
 /// Whether the fastest oscillation turns by more in γ than it should, and the position did not know of it. Where all vectors there are follow what is known for many radians, there is none that is faster.
 bool ExactSegment::turns_by_more(bool is_cut) {
   Habit& habit = habits_[key_];
-  if (!space_.is_sound() || (is_cut && length_ > 0.0 && is_for_turning(habit, length_))) return false;
+  if (!space_.is_sound() || (is_cut && space_.dimension() < many_vectors)) return false;
+  if (is_cut && length_ > 0.0 && is_for_turning(habit, length_)) return false;
   const double least = (is_cut ? turn_of_all : most_turn) * space_.shift(), turning = space_.turning(least);
   if (!(turning > least) || habit.turning >= turning) return false;
   habit.turning = turning;
