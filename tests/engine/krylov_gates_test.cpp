@@ -220,7 +220,9 @@ TEST_CASE("no vector of a Krylov space leaves the constraints of a six-pulse bri
 // Waves that are rough everywhere: spaces of forty vectors reach a small part of the time that they take along the line.
 TEST_CASE("exact segments follow lossless lines with a diode at the end as their closed form says", "[unit]") {
   constexpr double inductance = 1e-6, capacitance = 1e-9, clamp = 0.8;
-  constexpr double line_error = 1e-9;  ///< of the largest voltage, and current
+  constexpr double line_error = 1e-9;       ///< of the largest voltage, and current
+  constexpr double least_of_a_step = 14.0;  ///< radians of the fastest ring, 2 ω, in half a segment
+  constexpr double first_steps = 20.0;      ///< until segments are so long
   const int n = GENERATE(60, 600);
   TestCircuit c;
   c.v("x0", "0", model::Dc{1.0});
@@ -238,6 +240,7 @@ TEST_CASE("exact segments follow lossless lines with a diode at the end as their
   INFO(n << " sections: " << run.answer.id << " " << run.answer.message);
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
   CHECK(run.answer.statistics.events == 1);
+  CHECK(run.answer.statistics.steps <= 1.5 * n * 2.0 / least_of_a_step + first_steps);
   const ClampedLine line(n, omega, capacitance, clamp);
   const double impedance = std::sqrt(inductance / capacitance);
   bool has_conducted = false;

@@ -347,6 +347,26 @@ TEST_CASE("a line without loss takes few vectors by Krylov segments", "[regressi
   CHECK(runs.segments.answer.statistics.klu_solves <= most_of_a_radian * stop * 2.0 / std::sqrt(henries * farads));
 }
 
+// The same beside slow stores. A step γ for a length of 16 γ that turns the line by more than a radian takes all 40 vectors for five radians; and currents between capacitors and sources lose digits with each vector,
+// whatever the length of the segment, which was made again 32 times as short for that. With γ of half a radian, and without the vectors that have no digits, a segment has 30 to 35 radians, in two steps.
+TEST_CASE("a line without loss has long segments beside slow stores", "[regression]") {
+  constexpr double agreement = 1e-9, henries = 1e-6, farads = 1e-9, stop = 50e-6, most_of_a_radian = 2.0, least_of_a_step = 15.0;
+  constexpr int sections = 20;
+  const auto* const beside = GENERATE(  // a multiplier, and a grid behind a rectifier
+      "V1 s 0 SIN(0 1 50)\nCA1 a1 s 1u ic=0.9\nCB1 b1 0 1u ic=1.8\nDA1 0 a1 DI\nDB1 a1 b1 DI\nCA2 a2 a1 1u ic=1.8\nCB2 b2 b1 1u ic=1.8\n"
+      "DA2 b1 a2 DI\nDB2 a2 b2 DI\nRL b2 0 200k\nRT x10 b1 1meg\n",
+      "V1 s 0 SIN(0 10 1k 0 0 180)\nRS s w 0.5\nDR w a DI\nR1 a b 1\nR2 b c 1\nR3 c d 1\nR4 d a 1\nCa a 0 1u ic=8\nCb b 0 1u ic=8\n"
+      "Cc c 0 1u ic=8\nCd d 0 1u ic=8\nRG a 0 1k\nRT x10 b 10\nRU x20 c 1k\n");
+  std::string deck = "line beside slow stores\nV0 x0 0 1\n";
+  for (int k = 1; k <= sections; ++k) deck += fmt::format("L{0} x{1} x{0} {2}\nC{0} x{0} 0 {3}\n", k, k - 1, henries, farads);
+  deck += fmt::format("D1 x{} c DI\nVC c 0 0.8\n{}.model DI D\n.tran 1u {} uic\n", sections, beside, stop);
+  const BothRuns runs = run_both(deck);
+  CHECK(largest_difference(runs.modes, runs.segments) <= agreement);
+  const double radians = stop * 2.0 / std::sqrt(henries * farads);
+  CHECK(runs.segments.answer.statistics.klu_solves <= most_of_a_radian * radians);
+  CHECK(least_of_a_step * runs.segments.answer.statistics.steps <= radians);
+}
+
 // A multiplier of three stages whose diodes have 1.4 mΩ and 115 MΩ: a guard that has no sign in a short segment has one in a longer one, which must be tried also where the position refused that length before. Else a
 // diode is on its wrong side, by 2·10⁻⁶ of what the certificate measures ports against.
 TEST_CASE("a guard without a sign is looked at over longer segments by Krylov segments", "[regression]") {

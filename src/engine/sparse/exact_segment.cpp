@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -16,17 +17,20 @@ namespace pwlsim::engine::sparse {
 
 namespace {
 
-/// Vectors at which the error is looked at; beyond the last the segment is made shorter.
-constexpr std::array<int, 22> dimensions{3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30, 32, 34, 36, 38, 40};
-constexpr int least_to_foretell = 8;        ///< below so many vectors a look costs less than a vector
-constexpr double share_of_foretold = 0.8;   ///< convergence speeds up
-constexpr double steps_of_length = 16.0;    ///< length of a segment over γ
-constexpr double steps_for_decays = 32.0;   ///< the same where decays of all rates take part, as in a grid of R and C
-constexpr double ladder = 4.0;              ///< of γ, so that factors serve again
-constexpr double usual_turn = 0.5;          ///< radians of the fastest oscillation in γ
-constexpr double most_turn = 6.0;           ///< where it turns by more, S forgets it in digits that are not there
-constexpr double near = 8.0;                ///< a shift that a position has already serves within this factor
-constexpr double nearer = 0.9;              ///< of the distance of another shift, in logarithms
+/// Vectors at which the error is looked at.
+constexpr std::array<int, 22> dimensions{3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30, 32, 34, 36, 38, most_of_segment};
+constexpr int least_to_foretell = 8;       ///< below so many vectors a look costs less than a vector
+constexpr double share_of_foretold = 0.8;  ///< convergence speeds up
+constexpr double steps_of_length = 16.0;   ///< length of a segment over γ
+constexpr double steps_for_decays = 32.0;  ///< the same where decays of all rates take part, as in a grid of R and C
+constexpr double ladder = 4.0;             ///< of γ, so that factors serve again
+constexpr double ladder_of_turns =
+    std::numbers::sqrt2;              ///< of γ where the fastest oscillation decides it: vectors for each radian depend on it
+constexpr double turn_of_all = 0.85;  ///< radians of it in γ, where all vectors there are do not resolve the length: more ask for too many
+constexpr double longer_turn = 1.0;   ///< the same where a shorter γ leaves no digits
+constexpr double most_turn = 6.0;     ///< where it turns by more, S forgets it in digits that are not there
+constexpr double near = 8.0;          ///< a shift that a position has already serves within this factor
+constexpr double nearer = 0.9;        ///< of the distance of another shift, in logarithms
 constexpr double first_share = 1.0 / 64.0;  ///< of the run: a first segment
 constexpr double longer_than_last = 1.3;    ///< a segment is made for this much more than the last in its position
 constexpr double longer_than_end = 2.0;     ///< or that, where nothing ended it
@@ -117,34 +121,41 @@ bool ExactSegment::is_undecided_by_habit(double longest) {
   return is_undecided && habit.length > 0.0;
 }
 
-double ExactSegment::wanted_shift(double length) const {
-  return shift_factor_ * std::max((has_all_decays_ ? steps_for_decays : steps_of_length) / length, habits_.at(key_).turning / usual_turn);
+double ExactSegment::steps_wanted() const { return has_all_decays_ ? steps_for_decays : steps_of_length; }
+
+/// Whether a length wants its 1/γ for the fastest oscillation, not for its own sake.
+bool ExactSegment::is_for_turning(const Habit& habit, double length) const { return habit.turning / habit.turn > steps_wanted() / length; }
+
+double ExactSegment::wanted_shift(const Habit& habit, double length) const {
+  return shift_factor_ * std::max(steps_wanted() / length, habit.turning / habit.turn);
 }
 
 /// 1/γ of a rung.
-double ExactSegment::rung_for(double length) const {
-  return shift_factor_ * std::pow(ladder, std::round(std::log(wanted_shift(length) / shift_factor_) / std::log(ladder)));
+double ExactSegment::rung_for(const Habit& habit, double length) const {
+  const double base = is_for_turning(habit, length) ? ladder_of_turns : ladder;
+  return shift_factor_ * std::pow(base, std::round(std::log(wanted_shift(habit, length) / shift_factor_) / std::log(base)));
 }
 
 /// 1/γ of a rung, or one that the position has a factor for.
 double ExactSegment::shift_for(double length) {
-  auto& shifts = habits_[key_].shifts;
-  const double wanted = wanted_shift(length);
+  Habit& habit = habits_[key_];
+  const double wanted = wanted_shift(habit, length), most = is_for_turning(habit, length) ? ladder_of_turns : near;
   double best = 0.0;
-  for (const double shift : shifts)
-    if (std::abs(std::log(shift / wanted)) <= std::log(near) &&
+  for (const double shift : habit.shifts)
+    if (std::abs(std::log(shift / wanted)) <= std::log(most) &&
         (best == 0.0 || std::abs(std::log(shift / wanted)) < std::abs(std::log(best / wanted))))
       best = shift;
   if (best > 0.0) return best;
-  shifts.push_back(rung_for(length));
-  return shifts.back();
+  habit.shifts.push_back(rung_for(habit, length));
+  return habit.shifts.back();
 }
 
 /// Where a length fails with a shift that was there: the shift of its own rung serves from now on, if it is nearer to what the length wants. False: it is not.
 bool ExactSegment::takes_own_shift(double length, double failed) {
-  const double wanted = wanted_shift(length), own = rung_for(length);
+  Habit& habit = habits_[key_];
+  const double wanted = wanted_shift(habit, length), own = rung_for(habit, length);
   if (!(std::abs(std::log(own / wanted)) < nearer * std::abs(std::log(failed / wanted)))) return false;
-  habits_[key_].shifts.push_back(own);
+  habit.shifts.push_back(own);
   return true;
 }
 
@@ -153,7 +164,8 @@ bool ExactSegment::takes_own_shift(double length, double failed) {
 bool ExactSegment::resolve() {
   double before = INFINITY, best = INFINITY;
   int last = 0, best_at = 0, no_better = 0;
-  for (int m = first_dimension();;) {
+  const int most_vectors = most_vectors_now();
+  for (int m = std::min(first_dimension(), most_vectors);;) {
     space_.grow(m);
     if (!space_.is_sound()) break;
     const auto& points = space_.estimate(length_);
@@ -170,17 +182,26 @@ bool ExactSegment::resolve() {
     const int next = next_dimension(last, before, m, estimate_, present_tolerance_ * size_);
     before = estimate_;
     last = m;
-    if (m == dimensions.back()) {
+    if (m >= most_vectors) {
       note_all_decays();
       return is_cut_within(points);
     }
-    m = next;
+    m = std::min(next, most_vectors);
   }
-  if (best_at == 0 || !(best <= tolerance::converged_rounding * size_)) return false;
+  const bool is_near = best_at > 0 && best <= tolerance::converged_rounding * size_;
+  if (!is_near && !space_.is_sound() && last > 0) space_.shrink(last);  // it shows what turns
+  if (!is_near) return false;
   space_.shrink(best_at);
   estimate_ = best;
   if (space_.is_sound()) (void)space_.estimate(length_);
   return space_.is_sound();
+}
+
+/// Where the error is looked at last: as many as had digits in the position, and now and then one look more.
+int ExactSegment::most_vectors_now() {
+  Habit& habit = habits_[key_];
+  if (habit.most_vectors == dimensions.back() || !habit.more_vectors.is_due()) return habit.most_vectors;
+  return *std::upper_bound(dimensions.begin(), dimensions.end() - 1, habit.most_vectors);
 }
 
 /// As many as the position took before, or else each of the last two segments, where those are more than a look costs.
@@ -234,7 +255,9 @@ bool ExactSegment::has_wrong_signs() {
 
 /// All vectors there are do not resolve a motion, and no oscillation asks for a shorter γ: from now on decays do.
 void ExactSegment::note_all_decays() {
-  if (has_all_decays_ || space_.turning(usual_turn * space_.shift()) > usual_turn * space_.shift()) return;
+  if (has_all_decays_ || is_for_turning(habits_[key_], length_) ||
+      space_.turning(usual_turn * space_.shift()) > usual_turn * space_.shift())
+    return;
   has_all_decays_ = true;
   for (auto& [position, habit] : habits_) habit.shifts.clear();
 }
@@ -334,13 +357,14 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start, 
     size_ = std::max(peak_, space_.start_size());
     length_ = length;
     present_tolerance_ = tolerance_;
-    if (space_.start_rounding() <= tolerance::start_rounding * size_ && resolve() && space_.loss() <= most_loss && has_digits()) {
-      const double turning = space_.turning(most_turn * shift);
-      if (turning > most_turn * shift && !(habits_[key_].turning >= turning)) {
-        habits_[key_].turning = turning;
-        continue;
-      }
-      stretch(start.longest);
+    const bool begins_well = space_.start_rounding() <= tolerance::start_rounding * size_, is_resolved = begins_well && resolve();
+    const bool is_cut = !is_resolved || length_ < length;
+    if (begins_well && (turns_by_more(is_cut) || (is_cut && takes_shorter_turn())) && shift_for(length) != shift) continue;
+    const bool has_all = is_resolved && keeps_digits();
+    if (is_resolved && !has_all && takes_longer_turn() && shift_for(length) != shift) continue;
+    if (has_all && space_.dimension() > habits_[key_].most_vectors) note_digits(space_.dimension(), true);
+    if (has_all || (is_resolved && takes_back(length))) {
+      if (length_ >= length) stretch(start.longest);
       note_attempt(length_, true);
       return Opened::yes;
     }
@@ -349,6 +373,58 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start, 
     length *= ratio;
   }
   return Opened::unresolved;
+}
+
+bool ExactSegment::keeps_digits() { return space_.loss() <= most_loss && has_digits(); }
+
+/// The longer γ is, the less each vector adds to the rounding of what a constraint decides. A space that is full holds every motion at any γ; others take more vectors for a radian.
+bool ExactSegment::takes_longer_turn() {
+  Habit& habit = habits_[key_];
+  const double longer = (space_.is_full() ? ladder : ladder_of_turns) * habit.turn;
+  if (space_.dimension() < many_vectors || !is_for_turning(habit, length_)) return false;
+  if (longer > (space_.is_full() ? habit.longest : longer_turn)) return false;
+  habit.turn = longer;
+  return true;
+}
+
+/// Where that was for a space that was full, and is not with all vectors there are.
+bool ExactSegment::takes_shorter_turn() {
+  Habit& habit = habits_[key_];
+  if (!(habit.turn > longer_turn)) return false;
+  habit.turn = habit.longest = longer_turn;
+  return true;
+}
+
+/// Of a segment that its vectors have made as short as it is.
+void ExactSegment::note_digits(int vectors, bool has_all) {
+  Habit& habit = habits_[key_];
+  habit.most_vectors = vectors;
+  habit.more_vectors.note(has_all);
+}
+
+/// What a constraint decides has a rounding that grows with each vector, however long the segment: one of fewer vectors is shorter, and has digits. False: it is no longer than one that is made anew.
+bool ExactSegment::takes_back(double length) {
+  const auto* at = std::lower_bound(dimensions.begin(), dimensions.end(), space_.dimension());
+  while (at != dimensions.begin() && *(at - 1) >= many_vectors) {
+    space_.shrink(*--at);
+    if (!space_.is_sound()) continue;
+    if (!is_cut_within(space_.estimate(length)) || length_ <= length / shorter) return false;
+    if (!keeps_digits()) continue;
+    note_digits(*at, false);
+    return true;
+  }
+  return false;
+}
+
+/// Whether the fastest oscillation turns by more in γ than it should, and the position did not know of it. Where all vectors there are follow what is known for many radians, there is none that is faster.
+bool ExactSegment::turns_by_more(bool is_cut) {
+  Habit& habit = habits_[key_];
+  if (!space_.is_sound() || (is_cut && space_.dimension() < many_vectors)) return false;
+  if (is_cut && length_ > 0.0 && is_for_turning(habit, length_)) return false;
+  const double least = (is_cut ? turn_of_all : most_turn) * space_.shift(), turning = space_.turning(least);
+  if (!(turning > least) || habit.turning >= turning) return false;
+  habit.turning = turning;
+  return true;
 }
 
 /// Whether the position is singular at a step only because that is so short that rounding hides what its ports move in it: what it holds at zero by ε would then not be held.
@@ -406,8 +482,10 @@ ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start, b
   start_rounding_ = space_.rounding_at_start();
   if (!(start_rounding_ <= tolerance::start_rounding * size_)) return Opened::unresolved;
   ++segments_;
-  vectors_of_one_before_ = std::exchange(vectors_of_last_, expected_vectors());
-  habits_[key_].vectors = vectors_of_last_;
+  Habit& habit = habits_[key_];
+  habit.vectors = expected_vectors();
+  if (habit.vectors < habit.most_vectors)  // as many as there may be say nothing of other positions
+    vectors_of_one_before_ = std::exchange(vectors_of_last_, habit.vectors);
   located_ = false;
   watch_guards(start.on);
   vectors_ += static_cast<std::uint64_t>(space_.dimension());

@@ -18,6 +18,11 @@ namespace pwlsim::engine::sparse {
 
 class StateScale;
 
+/// Vectors that a segment may have; one that needs more is made shorter.
+constexpr int most_of_segment = 40;
+/// Radians of the fastest oscillation in γ, where that decides it, and most where a space is full.
+constexpr double usual_turn = 0.5, longest_turn = 4.0;
+
 class ExactSegment {
  public:
   /// All must outlive it. `tolerance`: bound on the estimated error of a segment, of the largest √energy so far.
@@ -185,14 +190,19 @@ class ExactSegment {
     double refused = INFINITY;           ///< the shortest length that could not be made, s
     Attempts attempts;                   ///< of such lengths
     int vectors = 0;                     ///< that its next segment is expected to need
+    int most_vectors = most_of_segment;  ///< that have digits
     std::vector<double> shifts;
-    bool refines = false;          ///< solutions are corrected by their residuals
-    bool stays_undecided = false;  ///< a guard has no sign at the first length either
-    bool is_regular = false;       ///< it has had a factor without ε
+    bool refines = false;                              ///< solutions are corrected by their residuals
+    bool stays_undecided = false;                      ///< a guard has no sign at the first length either
+    bool is_regular = false;                           ///< it has had a factor without ε
+    Attempts more_vectors;                             ///< than those that have digits
+    double turn = usual_turn, longest = longest_turn;  ///< radians in γ
   };
   [[nodiscard]] static std::string key(const Position& on) { return {on.begin(), on.end()}; }
-  [[nodiscard]] double wanted_shift(double length) const;
-  [[nodiscard]] double rung_for(double length) const;
+  [[nodiscard]] double steps_wanted() const;
+  [[nodiscard]] bool is_for_turning(const Habit& habit, double length) const;
+  [[nodiscard]] double wanted_shift(const Habit& habit, double length) const;
+  [[nodiscard]] double rung_for(const Habit& habit, double length) const;
   [[nodiscard]] double shift_for(double length);
   bool takes_own_shift(double length, double failed);
   void note_attempt(double length, bool success);
@@ -213,6 +223,13 @@ class ExactSegment {
   void stretch(double longest);
   [[nodiscard]] bool reaches(double longer);
   [[nodiscard]] bool has_digits();
+  [[nodiscard]] bool keeps_digits();
+  [[nodiscard]] bool takes_longer_turn();
+  [[nodiscard]] bool takes_shorter_turn();
+  [[nodiscard]] bool takes_back(double length);
+  [[nodiscard]] bool turns_by_more(bool is_cut);
+  [[nodiscard]] int most_vectors_now();
+  void note_digits(int vectors, bool has_all);
   void note_all_decays();
   [[nodiscard]] Opened open(Factors& factors, const Origin& start, bool is_again);
   [[nodiscard]] bool ends_with_decay();
