@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -21,20 +20,7 @@ namespace {
 constexpr std::array<int, 22> dimensions{3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30, 32, 34, 36, 38, most_of_segment};
 constexpr int least_to_foretell = 8;       ///< below so many vectors a look costs less than a vector
 constexpr double share_of_foretold = 0.8;  ///< convergence speeds up
-constexpr double steps_of_length = 16.0;   ///< length of a segment over γ
-constexpr double steps_for_decays = 32.0;  ///< the same where decays of all rates take part, as in a grid of R and C
-constexpr double ladder = 4.0;             ///< of γ, so that factors serve again
-constexpr double ladder_of_turns =
-    std::numbers::sqrt2;              ///< of γ where the fastest oscillation decides it: vectors for each radian depend on it
-constexpr double turn_of_all = 0.85;  ///< radians of it in γ, where all vectors there are do not resolve the length: more ask for too many
-constexpr double longer_turn = 1.0;   ///< the same where a shorter γ leaves no digits
-constexpr double most_turn = 6.0;     ///< where it turns by more, S forgets it in digits that are not there
-constexpr double near = 8.0;          ///< a shift that a position has already serves within this factor
-constexpr double nearer = 0.9;        ///< of the distance of another shift, in logarithms
-constexpr double first_share = 1.0 / 64.0;  ///< of the run: a first segment
-constexpr double longer_than_last = 1.3;    ///< a segment is made for this much more than the last in its position
-constexpr double longer_than_end = 2.0;     ///< or that, where nothing ended it
-constexpr int most_no_better = 3;           ///< looks at an error that do not lessen it: it is rounding
+constexpr int most_no_better = 3;          ///< looks at an error that do not lessen it: it is rounding
 constexpr int most_cuts = 12, most_extensions = 6, most_doublings = 3;
 constexpr double first_look = 2.0, next_look = 4.0;  ///< how far events are looked for, of the expected length, and then of that
 constexpr double shorter = 32.0;                     ///< a segment that cannot be made is tried again at so small a part
@@ -43,7 +29,6 @@ constexpr double most_loss = 1e6;            ///< of vectors by orthogonalisatio
 constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
 constexpr double muting = 30.0, most_muted = 1e6;
 constexpr double tolerances_of_run = 200.0, most_tolerances = 10.0;  ///< that may add up over the run, and that one segment may have
-constexpr int many_vectors = 20;                                     ///< so many cost more than the tolerance is worth
 constexpr double far_below = 1.0 / 8.0;                              ///< of the tolerance: an estimate with which fewer vectors are tried
 constexpr int vectors_of_signs = 3;                                  ///< enough for signs that are far from zero
 constexpr double share_of_error = 100.0;                             ///< at the start, of which a sign that is clear is no part
@@ -102,61 +87,6 @@ void ExactSegment::note_least_voltage(double least) {
   for (const State& state : descriptor_.states())
     square += std::abs(state.storage) * (state.is_current ? 1.0 / descriptor_.r0() : descriptor_.r0()) * least * least;
   peak_ = square > 0.0 ? std::sqrt(square) : 1.0;  // without states only sources move
-}
-
-double ExactSegment::first_length() const { return std::min(sources_.shortest_period() / 8.0, first_share * stop_); }
-
-double ExactSegment::usual_length(const Position& on, double longest) const {
-  const auto habit = habits_.find(key(on));
-  return std::min(longest, share_ * (habit != habits_.end() && habit->second.length > 0.0 ? habit->second.length : first_length()));
-}
-
-/// Whether a guard has no sign because the segment is as short as the last one in its position was: in a short one rates are rounding that a longer one tells from zero.
-bool ExactSegment::is_undecided_by_habit(double longest) {
-  Habit& habit = habits_[key_];
-  if (share_ < 1.0 || habit.stays_undecided || !(near * habit.length < std::min(longest, first_length()))) return false;
-  const bool is_undecided =
-      std::any_of(segment_.departures.begin(), segment_.departures.end(), [](const auto& departure) { return departure.order < 0; });
-  if (!(habit.length > 0.0)) habit.stays_undecided = is_undecided;
-  return is_undecided && habit.length > 0.0;
-}
-
-double ExactSegment::steps_wanted() const { return has_all_decays_ ? steps_for_decays : steps_of_length; }
-
-/// Whether a length wants its 1/γ for the fastest oscillation, not for its own sake.
-bool ExactSegment::is_for_turning(const Habit& habit, double length) const { return habit.turning / habit.turn > steps_wanted() / length; }
-
-double ExactSegment::wanted_shift(const Habit& habit, double length) const {
-  return shift_factor_ * std::max(steps_wanted() / length, habit.turning / habit.turn);
-}
-
-/// 1/γ of a rung.
-double ExactSegment::rung_for(const Habit& habit, double length) const {
-  const double base = is_for_turning(habit, length) ? ladder_of_turns : ladder;
-  return shift_factor_ * std::pow(base, std::round(std::log(wanted_shift(habit, length) / shift_factor_) / std::log(base)));
-}
-
-/// 1/γ of a rung, or one that the position has a factor for.
-double ExactSegment::shift_for(double length) {
-  Habit& habit = habits_[key_];
-  const double wanted = wanted_shift(habit, length), most = is_for_turning(habit, length) ? ladder_of_turns : near;
-  double best = 0.0;
-  for (const double shift : habit.shifts)
-    if (std::abs(std::log(shift / wanted)) <= std::log(most) &&
-        (best == 0.0 || std::abs(std::log(shift / wanted)) < std::abs(std::log(best / wanted))))
-      best = shift;
-  if (best > 0.0) return best;
-  habit.shifts.push_back(rung_for(habit, length));
-  return habit.shifts.back();
-}
-
-/// Where a length fails with a shift that was there: the shift of its own rung serves from now on, if it is nearer to what the length wants. False: it is not.
-bool ExactSegment::takes_own_shift(double length, double failed) {
-  Habit& habit = habits_[key_];
-  const double wanted = wanted_shift(habit, length), own = rung_for(habit, length);
-  if (!(std::abs(std::log(own / wanted)) < nearer * std::abs(std::log(failed / wanted)))) return false;
-  habit.shifts.push_back(own);
-  return true;
 }
 
 /// Grows the space until the estimate is within the tolerance over all of length_, or vectors are nothing but rounding and it is not far from that. False:
@@ -251,15 +181,6 @@ bool ExactSegment::has_wrong_signs() {
     if (value < -tolerance::clear_sign * size) negative_.push_back(static_cast<int>(i));
   }
   return is_clear;
-}
-
-/// All vectors there are do not resolve a motion, and no oscillation asks for a shorter γ: from now on decays do.
-void ExactSegment::note_all_decays() {
-  if (has_all_decays_ || is_for_turning(habits_[key_], length_) ||
-      space_.turning(usual_turn * space_.shift()) > usual_turn * space_.shift())
-    return;
-  has_all_decays_ = true;
-  for (auto& [position, habit] : habits_) habit.shifts.clear();
 }
 
 /// The part of length_ whose error is within the tolerance. False: there is none.
@@ -377,31 +298,6 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start, 
 
 bool ExactSegment::keeps_digits() { return space_.loss() <= most_loss && has_digits(); }
 
-/// The longer γ is, the less each vector adds to the rounding of what a constraint decides. A space that is full holds every motion at any γ; others take more vectors for a radian.
-bool ExactSegment::takes_longer_turn() {
-  Habit& habit = habits_[key_];
-  const double longer = (space_.is_full() ? ladder : ladder_of_turns) * habit.turn;
-  if (space_.dimension() < many_vectors || !is_for_turning(habit, length_)) return false;
-  if (longer > (space_.is_full() ? habit.longest : longer_turn)) return false;
-  habit.turn = longer;
-  return true;
-}
-
-/// Where that was for a space that was full, and is not with all vectors there are.
-bool ExactSegment::takes_shorter_turn() {
-  Habit& habit = habits_[key_];
-  if (!(habit.turn > longer_turn)) return false;
-  habit.turn = habit.longest = longer_turn;
-  return true;
-}
-
-/// Of a segment that its vectors have made as short as it is.
-void ExactSegment::note_digits(int vectors, bool has_all) {
-  Habit& habit = habits_[key_];
-  habit.most_vectors = vectors;
-  habit.more_vectors.note(has_all);
-}
-
 /// What a constraint decides has a rounding that grows with each vector, however long the segment: one of fewer vectors is shorter, and has digits. False: it is no longer than one that is made anew.
 bool ExactSegment::takes_back(double length) {
   const auto* at = std::lower_bound(dimensions.begin(), dimensions.end(), space_.dimension());
@@ -414,17 +310,6 @@ bool ExactSegment::takes_back(double length) {
     return true;
   }
   return false;
-}
-
-/// Whether the fastest oscillation turns by more in γ than it should, and the position did not know of it. Where all vectors there are follow what is known for many radians, there is none that is faster.
-bool ExactSegment::turns_by_more(bool is_cut) {
-  Habit& habit = habits_[key_];
-  if (!space_.is_sound() || (is_cut && space_.dimension() < many_vectors)) return false;
-  if (is_cut && length_ > 0.0 && is_for_turning(habit, length_)) return false;
-  const double least = (is_cut ? turn_of_all : most_turn) * space_.shift(), turning = space_.turning(least);
-  if (!(turning > least) || habit.turning >= turning) return false;
-  habit.turning = turning;
-  return true;
 }
 
 /// Whether the position is singular at a step only because that is so short that rounding hides what its ports move in it: what it holds at zero by ε would then not be held.
@@ -586,22 +471,6 @@ ErrorGrowth ExactSegment::error_growth(double tau) const {
 void ExactSegment::accept() {
   peak_ = size_;
   worst_ = std::max(worst_, relative_error());
-}
-
-void ExactSegment::note_event(double tau) { habits_[key_].length = std::max(longer_than_last * tau, tolerance::shortest_segment * stop_); }
-
-/// A length that could not be made is tried less and less often.
-void ExactSegment::note_end(double tau) {
-  Habit& habit = habits_[key_];
-  const double longer = longer_than_end * tau;
-  habit.length = longer < habit.refused || habit.attempts.is_due() ? longer : tau;
-}
-
-void ExactSegment::note_attempt(double length, bool success) {
-  Habit& habit = habits_[key_];
-  if (success ? length < habit.refused : length > habit.refused) return;
-  habit.refused = success ? INFINITY : length;
-  habit.attempts.note(success);
 }
 
 void ExactSegment::mute(int guard) {

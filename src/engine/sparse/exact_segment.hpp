@@ -20,6 +20,8 @@ class StateScale;
 
 /// Vectors that a segment may have; one that needs more is made shorter.
 constexpr int most_of_segment = 40;
+/// So many cost more than a part of the tolerance, or another γ.
+constexpr int many_vectors = 20;
 /// Radians of the fastest oscillation in γ, where that decides it, and most where a space is full.
 constexpr double usual_turn = 0.5, longest_turn = 4.0;
 
