@@ -100,8 +100,8 @@ class PartRun {
   [[nodiscard]] std::vector<Remark> threshold_remarks();
   /// Limits of infinitely many events from which it went on.
   [[nodiscard]] const std::vector<Remark>& limits() const { return limit_remarks_; }
-  /// Whether the start contradicted the network.
-  [[nodiscard]] bool start_projected() const { return start_projected_; }
+  /// Whether the start contradicted the network, so far as the largest values of its states tell: what a leak takes from a store at once is no contradiction.
+  [[nodiscard]] bool start_projected() const;
 
  private:
   using Trial = Stepper::Trial;
@@ -242,6 +242,7 @@ class PartRun {
   [[nodiscard]] bool moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const;
   void add_impulses(const std::vector<double>& impulses, const std::vector<double>& whole, double length);
   void note_segment_impulses();
+  void note_start_jumps(const std::vector<double>& states, const std::vector<double>& z);
   void add_error(double tau);
   void record_begin(const Point& first);
   [[nodiscard]] std::vector<double> rates_at(const Point& point) const;
@@ -308,6 +309,7 @@ class PartRun {
   std::vector<double> states_;        ///< of point_, or those given, at an instant
   std::vector<double> start_memory_;  ///< charges of the start beside those of point_
   std::optional<Instant> instant_;
+  std::vector<double> start_jumps_;   ///< what a segment's start moved each state by; none: the flag decides
   std::vector<Jump> jump_details_;
   Answer failure_;
   double h_max_ = 0.0, shortest_ = 0.0, tolerance_ = 0.0, break_tolerance_ = 0.0;

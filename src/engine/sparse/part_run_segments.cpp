@@ -51,6 +51,7 @@ bool PartRun::begin_segment() {
   Point next = point_of_segment(0.0, time);
   instant.jump |= moves(states, z, next.z);
   instant.mode_change |= segment_->changes_visibly(position_before_);
+  if (time == 0.0 && instant.jump) note_start_jumps(states, next.z);
   if (instant.jump && request_.jumps && jump_details_.size() < most_jumps_kept && !jump_steps_.first.z.empty()) {
     std::vector<double> after;
     descriptor_.measure_states(next.z.data(), after);
