@@ -163,6 +163,18 @@ TEST_CASE("a current through a leak at the start is no contradiction by Krylov s
   CHECK_THAT(told.err, !Contains("W-start-projected"));
 }
 
+// Where S1 opens, 10 gigohm and 3.19 gigohm let what is left of a current decay within 10^-14 s: the ends of pieces, which a measurement asks for, lie within.
+TEST_CASE("a measurement does not spoil the certificate of Krylov segments", "[regression]") {
+  const Scratch scratch;
+  const Told told = told_by_segments(
+      scratch,
+      "sepic\nVg0 g0 0 PULSE(0 1 5.752e-06 1.06e-07 1.06e-07 1.6112e-06 1.06e-05)\nV1 in 0 400\nL1 in fi 1.86e-05 ic=0\nC1 fi 0 1.92e-05 "
+      "ic=400\nR1 in fi 6.36\nL2 fi a 0.000117 ic=0\nS1 a 0 g0 0 SX1\nC2 a b 2.99e-05 ic=0\nL3 b 0 0.00017 ic=0\nD1 b out DX0\nC3 out 0 "
+      "3.19e-05 ic=0\nR2 out 0 5.39\n.model DX0 D(Ron=0.0128 Roff=3190000000 Vfwd=0.3)\n.model SX1 SW(Ron=0.0597 Roff=10000000000 "
+      "Vt=0.5)\n.save v(b) i(V1)\n.tran 0 2.50992e-4 1.756944e-4 2.50992e-07 uic\n.meas tran m2 PP i(L2) FROM=3.957573e-05\n.end\n");
+  CHECK(told.json["stats"]["certificate"]["kcl_kvl"].number < 1e-8);
+}
+
 // S1 closes at t = 0, before which v(a) is the supply's voltage and that of C1, and takes v(a) through 7.7 V. The search begins far from there.
 TEST_CASE("what was before t = 0 of an orbit by Krylov segments is its end", "[regression]") {
   const Scratch scratch;

@@ -216,6 +216,7 @@ class PartRun {
   [[nodiscard]] double room() const;
   [[nodiscard]] bool follow_segment();
   void certify_begin(const SegmentTimes& times);
+  void certify_within(const Point& point, double tau, const SegmentTimes& times, const std::vector<int>& at_zero);
   [[nodiscard]] std::vector<int> ports_at_zero(double tau);
   [[nodiscard]] Point point_of_segment(double tau, double time);
   [[nodiscard]] bool begins_at(double time) const;

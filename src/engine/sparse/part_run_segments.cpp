@@ -182,12 +182,19 @@ bool PartRun::follow_segment() {
   for (const double share : inner_points) {
     if (!certificate_.wants_point()) continue;
     const double inside = segment_tau_ + share * (tau - segment_tau_);
-    certificate_.add_point(point_of_segment(inside, segment_->start() + inside), ports_, times);
+    const Point within = point_of_segment(inside, segment_->start() + inside);
+    if (tau < passage.tau)
+      certify_within(within, inside, times, {});
+    else
+      certificate_.add_point(within, ports_, times);
   }
   watch_inside(tau);
   const double time = segment_->start() + tau;
   Point next = point_of_segment(tau, is_same_instant(time, limit) ? limit : time);
-  certificate_.add_point(next, ports_, times, ports_at_zero(tau));
+  if (tau < passage.tau)
+    certify_within(next, tau, times, ports_at_zero(tau));
+  else
+    certificate_.add_point(next, ports_, times, ports_at_zero(tau));
   if (records_ && tau >= passage.tau) record_end(next, tau, passage);
   settle_in(next);
   segment_tau_ = tau;
@@ -197,23 +204,28 @@ bool PartRun::follow_segment() {
   return true;
 }
 
-/// Where the rates that a segment begins with are in doubt, they are so for as long as what decays fast: as long as half of the residual is left.
 void PartRun::certify_begin(const SegmentTimes& times) {
   std::vector<int> at_zero = ports_at_zero(0.0);
   at_zero.insert(at_zero.end(), segment_->rising().begin(), segment_->rising().end());
-  SegmentTimes lasting = times;
+  certify_within(point_, 0.0, times, at_zero);
+}
+
+/// Where rates at a point of the segment are in doubt, they are so for as long as what decays fast: as long as half of the residual is left.
+void PartRun::certify_within(const Point& point, double tau, const SegmentTimes& times, const std::vector<int>& at_zero) {
+  SegmentTimes lasting{times.length, times.followed - tau};
   const double shortest = tolerance::shortest_segment * request_.stop;
-  const double doubt = certificate_.looks_next() ? certificate_.row_residual(point_, times) : 0.0;
+  const double doubt = certificate_.looks_next() ? certificate_.row_residual(point, times) : 0.0;
   if (doubt > tolerance::doubtful_rows) {
     double residual = 0.0;
     while (!(residual > residual_left * doubt) && lasting.followed > shortest) {
       lasting.followed *= 0.5;
-      const Point inside = point_of_segment(lasting.followed, segment_->start() + lasting.followed);
+      const double later = tau + lasting.followed;
+      const Point inside = point_of_segment(later, segment_->start() + later);
       certificate_.add_point(inside, ports_, lasting, at_zero);
       residual = certificate_.row_residual(inside, times);
     }
   }
-  certificate_.add_point(point_, ports_, lasting, at_zero);
+  certificate_.add_point(point, ports_, lasting, at_zero);
 }
 
 /// Ports that are below zero for no longer than times have digits.
