@@ -242,8 +242,9 @@ class PartRun {
   [[nodiscard]] double least_distance() const;
   [[nodiscard]] bool moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const;
   void add_impulses(const std::vector<double>& impulses, const std::vector<double>& whole, double length);
-  void note_segment_impulses();
   void note_start_jumps(const std::vector<double>& states, const std::vector<double>& z);
+  void note_segment_impulses();
+  static double largest_share(const Form& signal, const std::vector<std::vector<double>>& decays);
   void add_error(double tau);
   void record_begin(const Point& first);
   [[nodiscard]] std::vector<double> rates_at(const Point& point) const;
@@ -308,9 +309,9 @@ class PartRun {
   std::vector<double> jump_impulses_, jump_terms_;  ///< ∫ dt of the unknowns over its jumps, and what they were parts of
   std::vector<double> w_, signals_before_, impulses_;
   std::vector<double> states_;        ///< of point_, or those given, at an instant
+  std::vector<double> start_jumps_;   ///< what a segment's start moved each state by; none: the flag decides
   std::vector<double> start_memory_;  ///< charges of the start beside those of point_
   std::optional<Instant> instant_;
-  std::vector<double> start_jumps_;   ///< what a segment's start moved each state by; none: the flag decides
   std::vector<Jump> jump_details_;
   Answer failure_;
   double h_max_ = 0.0, shortest_ = 0.0, tolerance_ = 0.0, break_tolerance_ = 0.0;

@@ -134,6 +134,13 @@ void PartRun::go_to_limit() {
 /// Whether a row at that time shows what the segment begins with.
 bool PartRun::begins_at(double time) const { return time - segment_->start() <= tolerance_; }
 
+/// What a decay makes of the rounding of states in a signal, per √energy.
+double PartRun::largest_share(const Form& signal, const std::vector<std::vector<double>>& decays) {
+  double most = 0.0;
+  for (const std::vector<double>& decay : decays) most = std::max(most, std::abs(Form::sum(signal.z, decay.data())));
+  return most;
+}
+
 /// The signals right after the instant, before anything decays; those of the segment, where that cannot be known or is the same.
 const std::vector<double>& PartRun::signals_at_start() {
   std::vector<double>& values = segment_start_.signals;
@@ -144,13 +151,18 @@ const std::vector<double>& PartRun::signals_at_start() {
   sources_.evaluate(time, w);
   if (!start_unknowns_) start_unknowns_ = std::make_unique<StartUnknowns>(descriptor_, sources_, request_.stop);
   const KrylovSpace::Origin origin{segment_start_.z, segment_start_.memory, zeta, segment_start_.passed};
-  const auto z = start_unknowns_->find({time, segment_start_.on, origin, segment_->size(), segment_->step_length()});
+  const auto found = start_unknowns_->find({time, segment_start_.on, origin, segment_->size(), segment_->step_length()});
   const std::vector<double> y = segment_->at(0.0);
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     values.push_back(Form::sum(signals_[i].w, w.data(), segment_->signal(i, y)));
-    if (!z) continue;
-    const double start = signals_[i].value(z->data(), w.data()), size = std::max({signal_scale_[i], std::abs(start), std::abs(values[i])});
-    if (std::abs(start - values[i]) > tolerance::known_digits * size) values[i] = start;  // else what rows behind it go on from
+    if (!found) continue;
+    const double start = signals_[i].value(found->z.data(), w.data());
+    const double size = std::max({signal_scale_[i], std::abs(start), std::abs(values[i])});
+    const double step = std::abs(start - values[i]);
+    // A peak beyond all that the signal has had is believed only where it is far from what rounding of the states makes across a leak.
+    const double share = step > signal_scale_[i] ? largest_share(signals_[i], found->decays) : 0.0;
+    const double noise = tolerance::same_jump * segment_->size() * share;
+    if (step > std::max(tolerance::known_digits * size, noise)) values[i] = start;  // else what rows behind it go on from
   }
   return values;
 }
