@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "analysis/derivative_table.hpp"
+
 namespace pwlsim::analysis {
 namespace {
 
@@ -18,8 +20,9 @@ constexpr double no_reading = 1e-9;
 
 class Columns {
  public:
-  Columns(const circuit::SensitivityAnalysis& card, const MeasuredPass& run, const steady::Sensitivity& sensitivity, RunMotion& motion)
-      : card_(card), run_(run), sensitivity_(sensitivity), motion_(motion), functionals_(run, sensitivity) {}
+  Columns(const circuit::SensitivityAnalysis& card, const MeasuredPass& run, const steady::Sensitivity& sensitivity, RunMotion& motion,
+          const std::atomic<int>& interrupt)
+      : card_(card), run_(run), sensitivity_(sensitivity), motion_(motion), interrupt_(interrupt), functionals_(run, sensitivity) {}
 
   std::vector<std::vector<TwoSided>> take() {
     const std::size_t parameters = card_.parameters.size(), count = run_.measurements->list.size();
@@ -30,9 +33,14 @@ class Columns {
     const bool is_backward = goes_backward(wanted);
     free_ = motion_.free_directions();
     if (is_backward || !free_.empty()) adjoint_.emplace(sensitivity_, run_.measurements->probe_signals);
-    for (const std::size_t k : is_backward ? wanted : std::vector<std::size_t>()) take_backward(k, columns);
+    for (const std::size_t k : is_backward ? wanted : std::vector<std::size_t>()) {
+      if (!is_interrupted())
+        take_backward(k, columns);
+      else
+        for (auto& column : columns) column[k] = TwoSided::failed(interrupted_derivative);
+    }
     for (std::size_t p = 0; p < parameters; ++p) {
-      const TwoSided failed = failure_of(p);
+      const TwoSided failed = !is_backward && is_interrupted() ? TwoSided::failed(interrupted_derivative) : failure_of(p);
       if (!failed.failure.empty())
         columns[p].assign(count, failed);
       else if (!is_backward || adjoint_->is_forward_only(p))
@@ -46,6 +54,8 @@ class Columns {
   }
 
  private:
+  [[nodiscard]] bool is_interrupted() const { return interrupt_.load(std::memory_order_relaxed) != 0; }
+
   /// What a functional reads of a free direction, and of how much it is the sum; infinite where that depends on what is taken.
   std::pair<double, double> read_along(const MeasuredFunctional& functional, const steady::Vector& free) const {
     const auto reads = [&](const MeasuredSum& sum) {
@@ -133,6 +143,7 @@ class Columns {
   const MeasuredPass& run_;
   const steady::Sensitivity& sensitivity_;
   RunMotion& motion_;
+  const std::atomic<int>& interrupt_;
   MeasuredFunctionals functionals_;
   std::optional<steady::Adjoint> adjoint_;
   std::vector<steady::Vector> free_;
@@ -141,8 +152,9 @@ class Columns {
 }  // namespace
 
 std::vector<std::vector<TwoSided>> derivative_columns(const circuit::SensitivityAnalysis& card, const MeasuredPass& run,
-                                                      const steady::Sensitivity& sensitivity, RunMotion& motion) {
-  return Columns(card, run, sensitivity, motion).take();
+                                                      const steady::Sensitivity& sensitivity, RunMotion& motion,
+                                                      const std::atomic<int>& interrupt) {
+  return Columns(card, run, sensitivity, motion, interrupt).take();
 }
 
 }  // namespace pwlsim::analysis

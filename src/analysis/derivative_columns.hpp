@@ -1,6 +1,7 @@
 #pragma once
 /// Derivatives of all measurements of one run to all parameters, forward along each parameter or backwards from each measurement.
 
+#include <atomic>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,9 @@ class RunMotion {
   [[nodiscard]] virtual std::vector<double> backward(const MeasuredSum& sum, const steady::Adjoint& adjoint) = 0;
 };
 
-/// For each parameter the derivatives of all measurements.
+/// For each parameter the derivatives of all measurements. Once `interrupt` is nonzero no further parameter or measurement is begun.
 [[nodiscard]] std::vector<std::vector<TwoSided>> derivative_columns(const circuit::SensitivityAnalysis& card, const MeasuredPass& run,
-                                                                    const steady::Sensitivity& sensitivity, RunMotion& motion);
+                                                                    const steady::Sensitivity& sensitivity, RunMotion& motion,
+                                                                    const std::atomic<int>& interrupt);
 
 }  // namespace pwlsim::analysis

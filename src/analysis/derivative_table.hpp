@@ -19,4 +19,7 @@ struct Derivative {
 
 using DerivativeTable = std::vector<Derivative>;
 
+/// The failure of derivatives that a signal came before.
+inline constexpr const char* interrupted_derivative = "interrupted by a signal";
+
 }  // namespace pwlsim::analysis

@@ -64,9 +64,9 @@ std::vector<int> impulsive_signals(const Compiled& compiled, const SteadyState& 
 
 }  // namespace
 
-SmallSignalResult small_signals(const Compiled& compiled, const SteadyState& state) {
+SmallSignalResult small_signals(const Compiled& compiled, const SteadyState& state, const std::atomic<int>* interrupt) {
   SmallSignalResult result = small_signals(compiled, *state.inputs, state.network_with_inputs(), state.model_with_inputs(),
-                                           state.trace_with_inputs(), state.orbit.period, !state.common.sources.empty());
+                                           state.trace_with_inputs(), state.orbit.period, !state.common.sources.empty(), interrupt);
   // Edges that move, and samples, would need more than the impulses of jumps.
   const circuit::SmallSignalAnalysis& card = *compiled.analyses.small_signal;
   std::vector<int> impulsive = impulsive_signals(compiled, state, moves_edges(card));
@@ -78,18 +78,18 @@ SmallSignalResult small_signals(const Compiled& compiled, const SteadyState& sta
   return result;
 }
 
-DeckResponse deck_response(const Compiled& compiled, const SteadyState* state) {
+DeckResponse deck_response(const Compiled& compiled, const SteadyState* state, const std::atomic<int>* interrupt) {
   DeckResponse response;
   if (state == nullptr) {
     const LinearSmallSignals linear(compiled);
     if (!linear.id().empty()) return {{}, linear.id(), linear.message()};
-    response.result = linear.result();
+    response.result = linear.result(interrupt);
     return response;
   }
   if (state->map) return {{}, "E-pss-engine", response_needs_modes};
   if (!state->inputs->id.empty()) return {{}, state->inputs->id, state->inputs->message};
   if (!state->orbit.kink.empty()) return {{}, "E-ac-no-derivative", "the orbit has no derivative: " + state->orbit.kink};
-  response.result = small_signals(compiled, *state);
+  response.result = small_signals(compiled, *state, interrupt);
   if (response.result->is_beyond_derivatives) return {{}, "E-ac-no-derivative", beyond_derivatives};
   return response;
 }

@@ -109,21 +109,26 @@ struct ModelWhenNeeded {
   }
 };
 
+/// What makes a run end soon after a signal.
+using Guard = std::function<Simulate(Simulate)>;
+
 /// The exact engine on Krylov segments. Where they find no solution the run is repeated with dense modes, or with steps where those would be too large. A run with a controller
-/// has dense modes.
-PreparedEngine prepare_segments(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics) {
+/// has dense modes. Each of these runs is guarded by itself: what a trial has told by the time of a signal is passed on, also where the trial does not return.
+PreparedEngine prepare_segments(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics,
+                                const Guard& guarded) {
   const auto model = engine::sparse::prepare(network, diagnostics);
   const std::string reason = too_large(network);
-  const PreparedEngine dense = exact_engine_when_needed(network);
+  PreparedEngine dense = exact_engine_when_needed(network);
+  dense.simulate = guarded(std::move(dense.simulate));
   const bool steps = !reason.empty() && choice == EngineChoice::automatic;
   if (!model || (steps && !is_tolerance(reltol, diagnostics))) return {"exact", {}, {}, {}};
-  const Simulate by_steps = [=, run = sparse_run(model, reltol)](const engine::Request& request, engine::RowSink& sink) {
+  const Simulate by_steps = [=, run = guarded(sparse_run(model, reltol))](const engine::Request& request, engine::RowSink& sink) {
     engine::Answer answer = run(request, sink);
     answer.engine = "sparse";
     answer.remarks.push_back({"W-sparse-engine", sparse_warning(reason, reltol).text});
     return answer;
   };
-  const Simulate segments = segment_run(model);
+  const Simulate segments = guarded(segment_run(model));
   // Empty: what segments do not solve is not solved.
   const bool modes = reason.empty() || !model::has_passive_parts_only(network);
   const Simulate other = steps ? by_steps : modes ? dense.simulate : Simulate{};
@@ -148,6 +153,16 @@ void append(const Diagnostics& more, Diagnostics& diagnostics) {
                                                                 : &Diagnostics::note;
     (diagnostics.*add)(diagnostic.id, diagnostic.span, diagnostic.text);
   }
+}
+
+PreparedEngine prepare_guarded(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics,
+                               const Guard& guarded) {
+  if (runs_by_segments(network, choice)) return prepare_segments(network, choice, reltol, diagnostics, guarded);
+  PreparedEngine engine = choice == EngineChoice::krylov   ? prepare_krylov(network, diagnostics)
+                          : choice == EngineChoice::sparse ? prepare_sparse(network, reltol, diagnostics)
+                                                           : prepare_exact(network, diagnostics);
+  if (engine.simulate) engine.simulate = guarded(std::move(engine.simulate));
+  return engine;
 }
 
 }  // namespace
@@ -193,9 +208,7 @@ bool runs_by_segments(const model::Network& network, EngineChoice choice) {
 }
 
 PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics) {
-  if (choice == EngineChoice::krylov) return prepare_krylov(network, diagnostics);
-  if (runs_by_segments(network, choice)) return prepare_segments(network, choice, reltol, diagnostics);
-  return choice == EngineChoice::sparse ? prepare_sparse(network, reltol, diagnostics) : prepare_exact(network, diagnostics);
+  return prepare_guarded(network, choice, reltol, diagnostics, [](Simulate simulate) { return simulate; });
 }
 
 PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice, double reltol, Diagnostics& diagnostics,
@@ -207,15 +220,15 @@ PreparedEngine prepare_engine(const model::Network& network, EngineChoice choice
     Diagnostics diagnostics;
   };
   const auto preparation = std::make_shared<Preparation>(Preparation{network, {}, {}});
-  const bool is_prepared =
-      finished_in_time([preparation, choice,
-                        reltol] { preparation->engine = prepare_engine(preparation->network, choice, reltol, preparation->diagnostics); },
-                       interrupt);
+  const auto prepare = [preparation, choice, reltol, &interrupt] {
+    preparation->engine = prepare_guarded(preparation->network, choice, reltol, preparation->diagnostics,
+                                          [&interrupt](Simulate simulate) { return abandonable(std::move(simulate), interrupt); });
+  };
+  const bool is_prepared = finished_in_time(prepare, interrupt);
   if (!is_prepared) return {};
   append(preparation->diagnostics, diagnostics);
   PreparedEngine engine = std::move(preparation->engine);
   if (!engine.simulate) return engine;
-  engine.simulate = abandonable(std::move(engine.simulate), interrupt);
   engine.operating_point = [find = std::move(engine.operating_point), &interrupt] {
     const auto point = std::make_shared<engine::OperatingPoint>();
     if (finished_in_time([point, find] { *point = find(); }, interrupt)) return std::move(*point);

@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 
+#include "analysis/derivative_table.hpp"
 #include "analysis/sensitivity_inputs.hpp"
 #include "steady/carried_trace.hpp"
 
@@ -41,7 +42,8 @@ class Recorder {
     run_.start = own.start;
     run_.failure = own.failure;
     if (!run_.failure.empty()) return std::move(run_);
-    if (!record_without_inputs() && !record(own, network.signals.size())) run_.failure = "the run did not complete";
+    if (!record_without_inputs() && !record(own, network.signals.size()))
+      run_.failure = *request_.interrupt != 0 ? interrupted_derivative : "the run did not complete";
     return std::move(run_);
   }
 

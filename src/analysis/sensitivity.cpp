@@ -206,6 +206,10 @@ std::vector<std::vector<TwoSided>> failed_columns(const SensitivityAnalysis& car
 
 }  // namespace
 
+bool are_interrupted(const DerivativeTable& table) {
+  return std::any_of(table.begin(), table.end(), [](const Derivative& each) { return each.failure == interrupted_derivative; });
+}
+
 DerivativeTable failed_derivatives(const Compiled& compiled, const circuit::Measurements& measurements, const std::string& failure) {
   const SensitivityAnalysis& card = *compiled.analyses.sensitivities;
   const std::vector<double> values(measurements.list.size(), std::numeric_limits<double>::quiet_NaN());
@@ -228,9 +232,11 @@ DerivativeTable orbit_derivatives(const Compiled& compiled, const SteadyState& s
   request.use_initial_conditions = true;
   const MeasuredPass run =
       measure_run(measurements, state.simulate, request, 0.0, state.orbit.period, most_periods_measured * state.orbit.period, measured);
-  if (!run.is_whole) return failed_derivatives(compiled, measurements, "the period could not be followed once more");
+  if (!run.is_whole)
+    return failed_derivatives(compiled, measurements,
+                              interrupt != 0 ? interrupted_derivative : "the period could not be followed once more");
   OrbitMoves moves(compiled, state, sensitivity, linear);
-  return table_of(card, measurements, run.record.values, derivative_columns(card, run, sensitivity, moves));
+  return table_of(card, measurements, run.record.values, derivative_columns(card, run, sensitivity, moves, interrupt));
 }
 
 namespace {
@@ -254,6 +260,7 @@ class RunDerivatives : public RunMotion {
       : compiled_(compiled),
         card_(*compiled.analyses.sensitivities),
         orbit_(state),
+        interrupt_(interrupt),
         run_(record_run(compiled, state, interrupt, measured)) {}
 
   DerivativeTable run() {
@@ -264,7 +271,7 @@ class RunDerivatives : public RunMotion {
     linear_ = &linear;
     sensitivity_ = &sensitivity;
     return table_of(card_, compiled_.measurements, run_.measured.record.values,
-                    derivative_columns(card_, run_.measured, sensitivity, *this));
+                    derivative_columns(card_, run_.measured, sensitivity, *this, interrupt_));
   }
 
   std::string failure(std::size_t p) override { return start_of(p).failure; }
@@ -330,6 +337,7 @@ class RunDerivatives : public RunMotion {
   const Compiled& compiled_;
   const SensitivityAnalysis& card_;
   const SteadyState* orbit_;
+  const std::atomic<int>& interrupt_;
   const RecordedRun run_;
   const LinearisedOrbit* linear_ = nullptr;
   const Sensitivity* sensitivity_ = nullptr;
@@ -374,6 +382,8 @@ DerivativeTable deck_derivatives(const Compiled& compiled, const SteadyState* st
     DerivativeTable table = exact_derivatives(compiled, state, interrupt, measured);
     resolve_kinks(
         compiled, [&](const Compiled& moved) { return moved_derivatives(moved, state != nullptr, interrupt); }, table);
+    for (Derivative& each : table)
+      if (interrupt != 0 && each.is_kink && !each.failure.empty()) each.failure = interrupted_derivative;
     return table;
   }
   const char* const why = "only the exact engine with dense modes has derivatives; try --engine exact, or fewer stores";

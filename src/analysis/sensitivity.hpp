@@ -27,6 +27,8 @@ struct MeasuredBefore {
 /// For the runs of the deck. `is_exact`: the exact engine did them; others have no derivatives.
 [[nodiscard]] DerivativeTable deck_derivatives(const circuit::Compiled& compiled, const SteadyState* state, bool is_exact,
                                                const std::atomic<int>& interrupt, const MeasuredBefore& measured = {});
+/// Whether a signal came before all were known.
+[[nodiscard]] bool are_interrupted(const DerivativeTable& table);
 /// Every measurement and parameter with the same failure.
 [[nodiscard]] DerivativeTable failed_derivatives(const circuit::Compiled& compiled, const circuit::Measurements& measurements,
                                                  const std::string& failure);

@@ -22,6 +22,8 @@ using circuit::SmallSignalAnalysis;
 using Complex = std::complex<double>;
 using Response = std::function<steady::ComplexVector(double frequency, const std::vector<Complex>& amplitudes)>;
 
+bool is_interrupted(const std::atomic<int>* interrupt) { return interrupt != nullptr && interrupt->load(std::memory_order_relaxed) != 0; }
+
 /// T at a frequency; `voltages`: the response there to the voltage source alone.
 Complex gain_at(const SmallSignalInputs& inputs, const Response& response, double frequency, const steady::ComplexVector& voltages) {
   const Complex by_voltage = -voltages[inputs.negative] / voltages[inputs.positive];
@@ -39,9 +41,8 @@ double zero_between_frequencies(double low, double high, const std::function<dou
 }
 
 /// `values`: T at the frequencies.
-LoopGain loop_gain(const SmallSignalAnalysis& card, const SmallSignalInputs& inputs, const Response& response,
-                   std::vector<Complex> values) {
-  const std::vector<double>& frequencies = card.frequencies;
+LoopGain loop_gain(const SmallSignalAnalysis& card, const std::vector<double>& frequencies, const SmallSignalInputs& inputs,
+                   const Response& response, std::vector<Complex> values, const std::atomic<int>* interrupt) {
   LoopGain loop;
   loop.source = card.loop;
   const auto gain = [&](double f) { return gain_at(inputs, response, f, response(f, inputs.amplitudes)); };
@@ -51,7 +52,7 @@ LoopGain loop_gain(const SmallSignalAnalysis& card, const SmallSignalInputs& inp
     while (phase > 180.0) phase -= 360.0;
     return phase;
   };
-  for (std::size_t k = 1; k < frequencies.size(); ++k) {
+  for (std::size_t k = 1; k < frequencies.size() && !is_interrupted(interrupt); ++k) {
     const Complex a = loop.values[k - 1], b = loop.values[k];
     if (frequencies[k - 1] <= 0.0) continue;
     if ((std::abs(a) > 1.0) != (std::abs(b) > 1.0)) {
@@ -79,16 +80,18 @@ steady::ComplexVector limit_at_rest(double period, const std::function<steady::C
   return limit;
 }
 
-SmallSignalResult evaluate(const circuit::Compiled& compiled, const SmallSignalInputs& inputs, const Response& response) {
+SmallSignalResult evaluate(const circuit::Compiled& compiled, const SmallSignalInputs& inputs, const Response& response,
+                           const std::atomic<int>* interrupt) {
   const SmallSignalAnalysis& card = *compiled.analyses.small_signal;
   SmallSignalResult result;
   const std::size_t saved = compiled.saved_signals();
   for (std::size_t k = 0; k < saved; ++k) result.signals.push_back(compiled.network.signals[k].name);
   const std::vector<SelectedColumn> selected = select_columns(compiled, result.signals);
   for (const SelectedColumn& column : selected) result.columns.push_back({column.name, {}});
-  result.frequencies = card.frequencies;
   std::vector<Complex> gains;
   for (const double f : card.frequencies) {
+    if (is_interrupted(interrupt)) break;
+    result.frequencies.push_back(f);
     const steady::ComplexVector all = response(f, inputs.amplitudes);
     if (!card.loop.empty()) gains.push_back(gain_at(inputs, response, f, all));
     result.values.emplace_back(all.data(), all.data() + saved);
@@ -99,14 +102,15 @@ SmallSignalResult evaluate(const circuit::Compiled& compiled, const SmallSignalI
     for (std::size_t k = 0; k < saved; ++k) is_singular |= is_infinite(k);
     if (is_singular) result.singular.push_back(f);
   }
-  if (!card.loop.empty()) result.loop = loop_gain(card, inputs, response, std::move(gains));
+  if (!card.loop.empty()) result.loop = loop_gain(card, result.frequencies, inputs, response, std::move(gains), interrupt);
   return result;
 }
 
 }  // namespace
 
 SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSignalInputs& inputs, const model::Network& network,
-                                const engine::ExactModel& model, const steady::Trace& trace, double period, bool is_driven) {
+                                const engine::ExactModel& model, const steady::Trace& trace, double period, bool is_driven,
+                                const std::atomic<int>* interrupt) {
   const SmallSignalAnalysis& card = *compiled.analyses.small_signal;
   steady::LinearisedOrbit linear(model, trace, period, is_driven, inputs.names);
   const std::vector<int> unknown = linear.take_impulses(trace, is_driven);
@@ -127,7 +131,7 @@ SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSi
     const bool is_limit = f == 0.0 && !is_driven && !modulation && card.harmonic == 0 && !sample;
     return is_limit ? limit_at_rest(period, [&](double near) { return at(near, amplitudes); }) : at(f, amplitudes);
   };
-  SmallSignalResult result = evaluate(compiled, inputs, response);
+  SmallSignalResult result = evaluate(compiled, inputs, response, interrupt);
   const std::vector<char> read_to_the_last = linear.inputs_read_to_the_last();
   result.is_beyond_derivatives = std::any_of(read_to_the_last.begin(), read_to_the_last.end(), [](char is) { return is != 0; });
   result.unknown_impulses = unknown;
@@ -171,13 +175,14 @@ void LinearSmallSignals::fail(std::string id, std::string message) {
   message_ = std::move(message);
 }
 
-SmallSignalResult LinearSmallSignals::result() const {
+SmallSignalResult LinearSmallSignals::result(const std::atomic<int>* interrupt) const {
   if (!id_.empty()) return {};
   engine::sparse::LinearResponse linear(*equations_, inputs_.names);
-  return evaluate(*compiled_, inputs_, [&](double f, const std::vector<Complex>& amplitudes) {
-    const std::vector<Complex> response = linear.at(f, amplitudes);
-    return steady::ComplexVector(Eigen::Map<const steady::ComplexVector>(response.data(), static_cast<Eigen::Index>(response.size())));
-  });
+  const auto response = [&](double f, const std::vector<Complex>& amplitudes) {
+    const std::vector<Complex> values = linear.at(f, amplitudes);
+    return steady::ComplexVector(Eigen::Map<const steady::ComplexVector>(values.data(), static_cast<Eigen::Index>(values.size())));
+  };
+  return evaluate(*compiled_, inputs_, response, interrupt);
 }
 
 void leave_out_impulsive(const circuit::Compiled& compiled, const std::vector<int>& signals, SmallSignalResult& result) {

@@ -1,6 +1,7 @@
 #pragma once
 /// `.ac`: small signals around the periodic steady state, or around the operating point of a linear circuit.
 
+#include <atomic>
 #include <complex>
 #include <optional>
 #include <string>
@@ -47,10 +48,10 @@ struct SmallSignalResult {
   std::vector<std::string> impulsive;  ///< signals without a response: they have impulses on the orbit that the input changes
 };
 
-/// Around an orbit of a model with these inputs, in `network`.
+/// Around an orbit of a model with these inputs, in `network`. `interrupt` may be null; once it is nonzero no further frequency is begun, and those found so far are the result.
 [[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SmallSignalInputs& inputs,
                                               const model::Network& network, const engine::ExactModel& model, const steady::Trace& trace,
-                                              double period, bool is_driven);
+                                              double period, bool is_driven, const std::atomic<int>* interrupt);
 /// For a linear circuit: prepares its sparse equations, and checks whether it has a response before that is computed.
 class LinearSmallSignals {
  public:
@@ -59,7 +60,8 @@ class LinearSmallSignals {
   /// E-ac-needs-pss if something switches, or an error of the circuit's structure; "": there is a response.
   [[nodiscard]] const std::string& id() const { return id_; }
   [[nodiscard]] const std::string& message() const { return message_; }
-  [[nodiscard]] SmallSignalResult result() const;
+  /// `interrupt` as above.
+  [[nodiscard]] SmallSignalResult result(const std::atomic<int>* interrupt = nullptr) const;
 
  private:
   void fail(std::string id, std::string message);

@@ -52,14 +52,15 @@ inline constexpr const char* orbit_needs_exact_engine =
 /// The message for Krylov segments, and networks beyond the reach of dense modes.
 inline constexpr const char* response_needs_modes = "small signals around an orbit need dense modes; try --engine modes, or fewer stores";
 
-/// Small signals around the orbit.
-[[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SteadyState& state);
+/// Small signals around the orbit. `interrupt` may be null; once it is nonzero no further frequency is begun.
+[[nodiscard]] SmallSignalResult small_signals(const circuit::Compiled& compiled, const SteadyState& state,
+                                              const std::atomic<int>* interrupt = nullptr);
 /// The small signals of the deck, around the orbit if there is one (else null).
 struct DeckResponse {
   std::optional<SmallSignalResult> result;
   std::string id, message;  ///< of an error; empty if there is a response
 };
-[[nodiscard]] DeckResponse deck_response(const circuit::Compiled& compiled, const SteadyState* state);
+[[nodiscard]] DeckResponse deck_response(const circuit::Compiled& compiled, const SteadyState* state, const std::atomic<int>* interrupt);
 
 /// The member `pss`; null if there is none.
 void write_orbit(JsonWriter& json, const SteadyState* state);

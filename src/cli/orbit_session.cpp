@@ -24,7 +24,7 @@ class OrbitSession : public AnalysisSession {
     const RunOptions& options = run.options;
     if (!run.analyses().transient) return 0;
     if (!run.is_stepped()) return run.open(options.no_rows ? options.output : orbit_file_name(options.output), file_);
-    const bool has_table = !options.no_rows && options.output != "-" && options.format == analysis::RowFormat::csv;
+    const bool has_table = !options.no_rows && !takes_one_table(options.output) && options.format == analysis::RowFormat::csv;
     return has_table ? run.open(orbit_file_name(options.output), run.sweep_files.orbit) : 0;
   }
 

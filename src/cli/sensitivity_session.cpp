@@ -16,27 +16,33 @@ class SensitivitySession : public AnalysisSession {
   [[nodiscard]] bool is_asked(const circuit::Analyses& analyses) const override { return analyses.sensitivities.has_value(); }
 
   [[nodiscard]] int open_files(RunContext& run) override {
-    if (run.options.no_rows || run.options.output == "-") return 0;
+    if (run.options.no_rows || takes_one_table(run.options.output)) return 0;
     return run.open(sensitivity_file_name(run.options.output), run.is_stepped() ? run.sweep_files.derivatives : file_);
   }
 
   [[nodiscard]] int run(RunContext& run) override {
     analysis::RunOutcome& outcome = run.outcome;
     const analysis::SteadyState* orbit = outcome.steady_state ? &*outcome.steady_state : nullptr;
-    outcome.sensitivities = analysis::deck_derivatives(*run.compiled, orbit, run.engine.has_modes, caught_signal(),
-                                                       {&run.measured_run, &run.measured_orbit});
+    outcome.sensitivities =
+        analysis::deck_derivatives(*run.compiled, orbit, run.engine.has_modes, caught_signal(), {&run.measured_run, &run.measured_orbit});
     report_derivatives(outcome.sensitivities, run.messages);
     int status = 0;
     if (!run.options.json)
       status = print(analysis::derivative_text(outcome.sensitivities, digits_for(run.table_stream())), run.messages, run.table_stream());
-    if (!file_ || status != 0) return status;
-    status = write_whole(*file_, analysis::derivative_csv(outcome.sensitivities), run.messages);
-    if (status == 0)
+    if (file_ && status == 0) status = write_whole(*file_, analysis::derivative_csv(outcome.sensitivities), run.messages);
+    if (status == 0 && analysis::are_interrupted(outcome.sensitivities)) return interrupted(run);
+    if (file_ && status == 0)
       run.messages.remark(fmt::format("wrote {}: {}\n", file_->name(), analysis::counted(outcome.sensitivities.size(), "derivative")));
     return status;
   }
 
  private:
+  [[nodiscard]] int interrupted(RunContext& run) const {
+    const std::string where = file_ ? "; those up to then are in " + file_->name() : "";
+    run.messages.report({Severity::error, "E-interrupted", {}, "stopped by a signal before all derivatives were known" + where});
+    return status_of_signal(caught_signal());
+  }
+
   std::optional<waveform::OutputFile> file_;
 };
 
@@ -46,6 +52,7 @@ std::unique_ptr<AnalysisSession> sensitivity_session() { return std::make_unique
 
 void report_derivatives(const analysis::DerivativeTable& table, Messages& messages, const std::string& where) {
   for (const analysis::Derivative& d : table) {
+    if (d.failure == analysis::interrupted_derivative) continue;
     if (!d.failure.empty())
       messages.report({Severity::warning,
                        "W-sens-failed",

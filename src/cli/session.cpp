@@ -192,15 +192,16 @@ void Session::warn_of_size() {
              1e-9 * bytes, run_.options.output, runs * rows, columns)});
 }
 
-/// Standard output takes the rows of one analysis.
+/// Standard output, a pipe or a device takes the rows of one analysis.
 int Session::check_one_table() {
-  const bool goes_to_pipe = run_.options.output == "-" && !run_.options.no_rows;
+  const bool goes_to_pipe = takes_one_table(run_.options.output) && !run_.options.no_rows;
   const circuit::Analyses& deck = run_.analyses();
   // Of a sweep the orbits beside runs have no rows there.
   const bool has_another = (deck.transient && !run_.is_stepped()) || (deck.small_signal && !deck.transient);
   if (!goes_to_pipe || !deck.steady_state || !has_another) return 0;
   return run_.fail(Status::wrong_input, "E-option-conflict",
-                   "each analysis of the deck has its own rows, and standard output takes one table; try -o with a file name");
+                   fmt::format("each analysis of the deck has its own rows, and {} takes one table; try -o with a file name",
+                               table_name(run_.options.output)));
 }
 
 int Session::open_files() {

@@ -7,6 +7,7 @@
 #include "analysis/small_signal_report.hpp"
 #include "analysis/steady_state.hpp"
 #include "cli/analysis_session.hpp"
+#include "cli/signals.hpp"
 #include "cli/small_signal_session.hpp"
 #include "cli/split_files.hpp"
 #include "waveform/png.hpp"
@@ -21,11 +22,11 @@ class SmallSignalSession : public AnalysisSession {
   [[nodiscard]] int open_files(RunContext& run) override {
     const RunOptions& options = run.options;
     const bool has_rows = run.rows_file.has_value();
-    const bool has_run = run.analyses().transient.has_value(), goes_to_pipe = options.output == "-" && !options.no_rows;
+    const bool has_run = run.analyses().transient.has_value(), goes_to_pipe = takes_one_table(options.output) && !options.no_rows;
     if (const int wrong = check(run); wrong != 0) return wrong;
     if (goes_to_pipe && has_run)
       run.messages.report({Severity::warning, "W-ignored-card", run.analyses().small_signal->span,
-                           "the rows of .ac are left out: standard output takes those of .tran"},
+                           fmt::format("the rows of .ac are left out: {} takes those of .tran", table_name(options.output))},
                           run.sources);
     int status = 0;
     if (!options.no_rows && !(goes_to_pipe && has_run))
@@ -38,15 +39,17 @@ class SmallSignalSession : public AnalysisSession {
   [[nodiscard]] int run(RunContext& run) override {
     auto& response = run.outcome.small_signal;
     if (run.outcome.steady_state) {
-      analysis::DeckResponse found = analysis::deck_response(*run.compiled, &*run.outcome.steady_state);
+      analysis::DeckResponse found = analysis::deck_response(*run.compiled, &*run.outcome.steady_state, &caught_signal());
       if (!found.id.empty()) return fail(run, found.id, found.message);
       response = std::move(found.result);
     } else {
-      response = linear_->result();
+      response = linear_->result(&caught_signal());
     }
     for (const double f : response->singular) run.messages.report(singular_response_warning(f));
     if (!response->impulsive.empty()) run.messages.report(impulsive_response_warning(response->impulsive));
     const int status = file_ ? write_whole(*file_, analysis::small_signal_csv(*response), run.messages) : 0;
+    const std::size_t asked = run.analyses().small_signal->frequencies.size();
+    if (status == 0 && response->frequencies.size() < asked) return interrupted(run, asked);
     if (status == 0 && (file_ || run.options.no_rows))
       run.messages.remark(analysis::small_signal_summary(*response, file_ ? file_->name() : "nothing"));
     return status;
@@ -61,6 +64,15 @@ class SmallSignalSession : public AnalysisSession {
   }
 
  private:
+  [[nodiscard]] int interrupted(RunContext& run, std::size_t asked) const {
+    run.messages.report({Severity::error,
+                         "E-interrupted",
+                         {},
+                         fmt::format("stopped by a signal after {} of {} frequencies{}", run.outcome.small_signal->frequencies.size(),
+                                     asked, file_ ? "; the rows up to then are in " + file_->name() : "")});
+    return status_of_signal(caught_signal());
+  }
+
   static int fail(RunContext& run, const std::string& id, const std::string& message) {
     const circuit::SmallSignalAnalysis& card = *run.analyses().small_signal;
     const bool names_input = card.input != circuit::SmallSignalAnalysis::Input::marked || !card.loop.empty();

@@ -21,15 +21,24 @@ path folder_of(const std::string& name) {
 
 }  // namespace
 
+bool takes_one_table(const std::string& output) {
+  std::error_code unknown;
+  const auto kind = std::filesystem::status(output, unknown).type();
+  return output == "-" || kind == std::filesystem::file_type::character || kind == std::filesystem::file_type::fifo ||
+         kind == std::filesystem::file_type::socket;
+}
+
+std::string table_name(const std::string& output) { return output == "-" ? "standard output" : output; }
+
 std::string split_file(const std::string& output, std::size_t run) {
   return renamed(output, '.' + std::to_string(run + 1), path(output).extension().string());
 }
 
 std::string orbit_file_name(const std::string& output) {
-  return output == "-" ? output : renamed(output, ".pss", path(output).extension().string());
+  return takes_one_table(output) ? output : renamed(output, ".pss", path(output).extension().string());
 }
 
-std::string small_signal_file_name(const std::string& output) { return output == "-" ? output : renamed(output, ".ac", ".csv"); }
+std::string small_signal_file_name(const std::string& output) { return takes_one_table(output) ? output : renamed(output, ".ac", ".csv"); }
 
 std::string sensitivity_file_name(const std::string& output) { return renamed(output, ".sens", ".csv"); }
 

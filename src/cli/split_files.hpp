@@ -6,11 +6,15 @@
 
 namespace pwlsim::cli {
 
+/// Standard output ("-"), a pipe or a device: it takes one table, and no file stands beside it.
+[[nodiscard]] bool takes_one_table(const std::string& output);
+/// As a message names it.
+[[nodiscard]] std::string table_name(const std::string& output);
 /// `run`: from 0.
 [[nodiscard]] std::string split_file(const std::string& output, std::size_t run);
-/// out.pss.csv for out.csv: the rows of the steady state, if .tran has rows too.
+/// out.pss.csv for out.csv: the rows of the steady state, if .tran has rows too. A stream is its own.
 [[nodiscard]] std::string orbit_file_name(const std::string& output);
-/// out.ac.csv for out.csv: small signals.
+/// out.ac.csv for out.csv: small signals. A stream is its own.
 [[nodiscard]] std::string small_signal_file_name(const std::string& output);
 /// The file of the derivatives of .sens.
 [[nodiscard]] std::string sensitivity_file_name(const std::string& output);

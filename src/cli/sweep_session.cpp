@@ -233,7 +233,7 @@ class Sweep {
     const bool responds = task_.first.analyses.small_signal.has_value();
     if (responds) take_response(*compiled, prefix, record, texts);
     if (!compiled->analyses.transient) {
-      record.done = record.id.empty() && (record.done || responds);
+      record.done = record.id.empty() && !record.interrupted && (record.done || responds);
       return false;
     }
     const bool has_rows = run_transient(run, *compiled, engine.simulate, record);
@@ -242,6 +242,8 @@ class Sweep {
           runs_on ? analysis::MeasuredBefore{&record.measured, nullptr} : analysis::MeasuredBefore{nullptr, &record.measured};
       record.sensitivities = analysis::deck_derivatives(*deck, record.orbit.get(), has_modes, caught_signal(), measured);
       texts.derivatives = analysis::derivative_rows(record.sensitivities, prefix);
+      record.interrupted |= analysis::are_interrupted(record.sensitivities);
+      record.done &= !record.interrupted;
     }
     record.measured = {};
     if (record.orbit) finish_orbit(runs_on, prefix, record, texts);
@@ -250,12 +252,13 @@ class Sweep {
 
   /// Small signals around the orbit, or of a linear circuit.
   void take_response(const circuit::Compiled& compiled, const std::string& prefix, SweptRun& record, Texts& texts) const {
-    analysis::DeckResponse response = analysis::deck_response(compiled, record.orbit.get());
+    analysis::DeckResponse response = analysis::deck_response(compiled, record.orbit.get(), &caught_signal());
     if (record.id.empty()) {
       record.id = response.id;
       record.message = response.message;
     }
     if (!response.result) return;
+    record.interrupted |= response.result->frequencies.size() < compiled.analyses.small_signal->frequencies.size();
     texts.response = analysis::small_signal_rows(*response.result, prefix);
     record.singular = response.result->singular;
     record.impulsive = response.result->impulsive;

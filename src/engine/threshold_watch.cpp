@@ -12,6 +12,8 @@ namespace {
 
 /// Of a control's own size: what moves less is the ripple of a supply, not a signal that should switch.
 constexpr double least_swing = 0.1;
+/// Of its distance from the threshold: what moves less is rounding of a control that rests.
+constexpr double least_approach = 1e-9;
 /// Lines of a clock that are looked at: of a switch that changes, enough to find a level at which it rests in each period; of one that does not, the range of
 /// all of them is needed.
 constexpr std::size_t some_lines = 24, all_lines = 1'000'000;
@@ -126,7 +128,10 @@ std::string ThresholdWatch::range_text(std::size_t number, bool is_on) const {
 
 bool ThresholdWatch::moves_in_vain(std::size_t number) const {
   const Story& story = stories_[number];
-  return !story.changed && story.most - story.least > least_swing * std::max(std::abs(story.most), std::abs(story.least));
+  const WatchedSwitch& s = switches_[number];
+  const double swing = story.most - story.least;
+  const double distance = std::min(std::abs(s.on_threshold() - story.most), std::abs(story.least - s.off_threshold()));
+  return !story.changed && swing > least_swing * std::max(std::abs(story.most), std::abs(story.least)) && swing > least_approach * distance;
 }
 
 std::vector<Remark> ThresholdWatch::remarks(const std::vector<char>& is_on, bool completed) const {

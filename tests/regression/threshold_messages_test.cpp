@@ -1,6 +1,7 @@
 /// Switches whose control rests at a threshold, and switches that never change although their control moves, are told; others are not.
 #include <catch2/catch.hpp>
 
+#include "engine/threshold_watch.hpp"
 #include "regression/deck_run.hpp"
 
 using namespace pwlsim;
@@ -72,4 +73,15 @@ TEST_CASE("of the gates of a device that the deck wrote as one nothing is told",
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
   CHECK(remarks(run, "W-switch-at-threshold").empty());
   CHECK(remarks(run, "N-never-switches").empty());
+}
+
+// The pulse begins after the end of the run: its control rests at 0 V. By Krylov segments it is a row of a part with other sources, to rounding.
+TEST_CASE("rounding of a control that rests is no motion", "[regression]") {
+  const std::vector<engine::WatchedSwitch> switches{{"S1", 0.5, 0.5, model::WrittenControl{}, -1}};
+  engine::ThresholdWatch watch(switches, 1.0);
+  watch.see(0, -7.66e-15);
+  watch.see(0, 1.11e-16);
+  CHECK(watch.remarks({0}, true).empty());
+  watch.see(0, 1e-3);
+  CHECK(watch.remarks({0}, true).size() == 1);
 }

@@ -154,7 +154,7 @@ std::vector<double> KrylovSpace::next_unknowns() const {
 }
 
 /// By way of S² z₀, as what S z₀ has of impulses, and of the rounding of such, is in no point of the motion.
-std::optional<std::vector<double>> KrylovSpace::unknowns_at_start() {
+std::optional<KrylovSpace::Beginning> KrylovSpace::unknowns_at_start() {
   apply(0);
   vectors_.col(0) += changes_.col(0);
   zetas_.col(0) += zeta_changes_.col(0);
@@ -163,8 +163,10 @@ std::optional<std::vector<double>> KrylovSpace::unknowns_at_start() {
   const auto largest_of = [](const auto& part) { return part.size() > 0 ? part.cwiseAbs().maxCoeff() : 0.0; };
   const auto share_of = [](double part, double whole) { return part > 0.0 ? part / whole : 0.0; };
   double before = INFINITY;
+  Beginning beginning;
   for (int k = 1; k <= most_terms; ++k) {
     apply(0);
+    note_decay(beginning.decays);
     vectors_.col(0) = -changes_.col(0);
     zetas_.col(0) = -zeta_changes_.col(0);
     const Vector& term = vectors_.col(0);
@@ -174,13 +176,22 @@ std::optional<std::vector<double>> KrylovSpace::unknowns_at_start() {
     if (!shrinks && !(before <= tolerance::unknown_rounding)) return std::nullopt;
     if (shrinks) sum += (k + 1.0) * term;
     if (!shrinks || size <= tolerance::solution_rounding) {
-      std::vector<double> z(static_cast<std::size_t>(descriptor_.size()));
-      Eigen::Map<Vector>(z.data(), vectors_.rows()) = norm_ * sum;
-      return z;
+      beginning.z.resize(static_cast<std::size_t>(descriptor_.size()));
+      Eigen::Map<Vector>(beginning.z.data(), vectors_.rows()) = norm_ * sum;
+      return beginning;
     }
     before = size;
   }
   return std::nullopt;
+}
+
+/// T of the last vector.
+void KrylovSpace::note_decay(std::vector<std::vector<double>>& decays) const {
+  std::vector<double> decay(changes_.col(0).begin(), changes_.col(0).end());
+  const double energy = energy_distance(decay, std::vector<double>(decay.size(), 0.0));
+  if (!(energy > 0.0)) return;
+  for (double& value : decay) value /= energy;
+  decays.push_back(std::move(decay));
 }
 
 std::vector<double> KrylovSpace::impulses() {

@@ -73,7 +73,11 @@ class KrylovSpace {
   [[nodiscard]] std::vector<double> first_unknowns() const;
   /// What the motion begins with, however fast it then decays: S⁻² S² z₀ = Σ (k + 1) (−T)ᵏ S² z₀. None where γ is too long for what decays, and the terms do not become shorter. The space has none of its
   /// vectors after that.
-  [[nodiscard]] std::optional<std::vector<double>> unknowns_at_start();
+  struct Beginning {
+    std::vector<double> z;
+    std::vector<std::vector<double>> decays;  ///< directions in which it moves first, of √energy 1
+  };
+  [[nodiscard]] std::optional<Beginning> unknowns_at_start();
   /// What impulses at the start make of S z₀, γ times which they are: S z₀ without S z(0).
   [[nodiscard]] std::vector<double> impulses();
   /// y(0).
@@ -170,6 +174,7 @@ class KrylovSpace {
   [[nodiscard]] double rounding_of_sums(const std::vector<double>& z) const;
   void reserve(int columns);
   void apply(int j);
+  void note_decay(std::vector<std::vector<double>>& decays) const;
   void add_vector();
   void note_lost(const linalg::Vector& c, double size, double h);
   void reduce();

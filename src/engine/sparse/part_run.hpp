@@ -100,8 +100,8 @@ class PartRun {
   [[nodiscard]] std::vector<Remark> threshold_remarks();
   /// Limits of infinitely many events from which it went on.
   [[nodiscard]] const std::vector<Remark>& limits() const { return limit_remarks_; }
-  /// Whether the start contradicted the network.
-  [[nodiscard]] bool start_projected() const { return start_projected_; }
+  /// Whether the start contradicted the network, so far as the largest values of its states tell: what a leak takes from a store at once is no contradiction.
+  [[nodiscard]] bool start_projected() const;
 
  private:
   using Trial = Stepper::Trial;
@@ -216,6 +216,7 @@ class PartRun {
   [[nodiscard]] double room() const;
   [[nodiscard]] bool follow_segment();
   void certify_begin(const SegmentTimes& times);
+  void certify_within(const Point& point, double tau, const SegmentTimes& times, const std::vector<int>& at_zero);
   [[nodiscard]] std::vector<int> ports_at_zero(double tau);
   [[nodiscard]] Point point_of_segment(double tau, double time, bool has_rates);
   [[nodiscard]] bool begins_at(double time) const;
@@ -241,7 +242,9 @@ class PartRun {
   [[nodiscard]] double least_distance() const;
   [[nodiscard]] bool moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const;
   void add_impulses(const std::vector<double>& impulses, const std::vector<double>& whole, double length);
+  void note_start_jumps(const std::vector<double>& states, const std::vector<double>& z);
   void note_segment_impulses();
+  static double largest_share(const Form& signal, const std::vector<std::vector<double>>& decays);
   void add_error(double tau);
   void record_begin(const Point& first);
   [[nodiscard]] std::vector<double> rates_at(const Point& point) const;
@@ -306,6 +309,7 @@ class PartRun {
   std::vector<double> jump_impulses_, jump_terms_;  ///< ∫ dt of the unknowns over its jumps, and what they were parts of
   std::vector<double> w_, signals_before_, impulses_;
   std::vector<double> states_;        ///< of point_, or those given, at an instant
+  std::vector<double> start_jumps_;   ///< what a segment's start moved each state by; none: the flag decides
   std::vector<double> start_memory_;  ///< charges of the start beside those of point_
   std::optional<Instant> instant_;
   std::vector<Jump> jump_details_;

@@ -135,6 +135,18 @@ bool PartRun::moves(const std::vector<double>& states, const std::vector<double>
   return difference(states, to) > tolerance::jump && segment_->distance(from, to) > least_distance();
 }
 
+void PartRun::note_start_jumps(const std::vector<double>& states, const std::vector<double>& z) {
+  descriptor_.measure_states(z.data(), start_jumps_);
+  for (std::size_t i = 0; i < states.size(); ++i) start_jumps_[i] = std::abs(start_jumps_[i] - states[i]);
+}
+
+bool PartRun::start_projected() const {
+  if (start_jumps_.empty()) return start_projected_;
+  for (std::size_t i = 0; i < start_jumps_.size(); ++i)
+    if (start_jumps_[i] > tolerance::jump * scale_.size(i, point_.z)) return true;
+  return false;
+}
+
 void PartRun::note_segment_impulses() {
   impulses_.assign(signals_.size(), 0.0);
   if (jump_impulses_.empty()) return;

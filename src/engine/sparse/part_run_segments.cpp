@@ -51,6 +51,7 @@ bool PartRun::begin_segment() {
   Point next = point_of_segment(0.0, time, certificate_.looks_next());
   instant.jump |= moves(states, z, next.z);
   instant.mode_change |= segment_->changes_visibly(position_before_);
+  if (time == 0.0 && instant.jump) note_start_jumps(states, next.z);
   if (instant.jump && request_.jumps && jump_details_.size() < most_jumps_kept && !jump_steps_.first.z.empty()) {
     std::vector<double> after;
     descriptor_.measure_states(next.z.data(), after);
@@ -133,6 +134,13 @@ void PartRun::go_to_limit() {
 /// Whether a row at that time shows what the segment begins with.
 bool PartRun::begins_at(double time) const { return time - segment_->start() <= tolerance_; }
 
+/// What a decay makes of the rounding of states in a signal, per √energy.
+double PartRun::largest_share(const Form& signal, const std::vector<std::vector<double>>& decays) {
+  double most = 0.0;
+  for (const std::vector<double>& decay : decays) most = std::max(most, std::abs(Form::sum(signal.z, decay.data())));
+  return most;
+}
+
 /// The signals right after the instant, before anything decays; those of the segment, where that cannot be known or is the same.
 const std::vector<double>& PartRun::signals_at_start() {
   std::vector<double>& values = segment_start_.signals;
@@ -143,13 +151,18 @@ const std::vector<double>& PartRun::signals_at_start() {
   sources_.evaluate(time, w);
   if (!start_unknowns_) start_unknowns_ = std::make_unique<StartUnknowns>(descriptor_, sources_, request_.stop);
   const KrylovSpace::Origin origin{segment_start_.z, segment_start_.memory, zeta, segment_start_.passed};
-  const auto z = start_unknowns_->find({time, segment_start_.on, origin, segment_->size(), segment_->step_length()});
+  const auto found = start_unknowns_->find({time, segment_start_.on, origin, segment_->size(), segment_->step_length()});
   const std::vector<double> y = segment_->at(0.0);
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     values.push_back(Form::sum(signals_[i].w, w.data(), segment_->signal(i, y)));
-    if (!z) continue;
-    const double start = signals_[i].value(z->data(), w.data()), size = std::max({signal_scale_[i], std::abs(start), std::abs(values[i])});
-    if (std::abs(start - values[i]) > tolerance::known_digits * size) values[i] = start;  // else what rows behind it go on from
+    if (!found) continue;
+    const double start = signals_[i].value(found->z.data(), w.data());
+    const double size = std::max({signal_scale_[i], std::abs(start), std::abs(values[i])});
+    const double step = std::abs(start - values[i]);
+    // A peak beyond all that the signal has had is believed only where it is far from what rounding of the states makes across a leak.
+    const double share = step > signal_scale_[i] ? largest_share(signals_[i], found->decays) : 0.0;
+    const double noise = tolerance::same_jump * segment_->size() * share;
+    if (step > std::max(tolerance::known_digits * size, noise)) values[i] = start;  // else what rows behind it go on from
   }
   return values;
 }
@@ -182,13 +195,20 @@ bool PartRun::follow_segment() {
   for (const double share : inner_points) {
     if (!certificate_.wants_point()) continue;
     const double inside = segment_tau_ + share * (tau - segment_tau_);
-    certificate_.add_point(point_of_segment(inside, segment_->start() + inside, true), ports_, times);
+    const Point within = point_of_segment(inside, segment_->start() + inside, true);
+    if (tau < passage.tau)
+      certify_within(within, inside, times, {});
+    else
+      certificate_.add_point(within, ports_, times);
   }
   watch_inside(tau);
   const double time = segment_->start() + tau;
   const bool has_rates = certificate_.looks_next() || records_ != nullptr;
   Point next = point_of_segment(tau, is_same_instant(time, limit) ? limit : time, has_rates);
-  certificate_.add_point(next, ports_, times, ports_at_zero(tau));
+  if (tau < passage.tau)
+    certify_within(next, tau, times, ports_at_zero(tau));
+  else
+    certificate_.add_point(next, ports_, times, ports_at_zero(tau));
   if (records_ && tau >= passage.tau) record_end(next, tau, passage);
   settle_in(next);
   segment_tau_ = tau;
@@ -198,23 +218,28 @@ bool PartRun::follow_segment() {
   return true;
 }
 
-/// Where the rates that a segment begins with are in doubt, they are so for as long as what decays fast: as long as half of the residual is left.
 void PartRun::certify_begin(const SegmentTimes& times) {
   std::vector<int> at_zero = ports_at_zero(0.0);
   at_zero.insert(at_zero.end(), segment_->rising().begin(), segment_->rising().end());
-  SegmentTimes lasting = times;
+  certify_within(point_, 0.0, times, at_zero);
+}
+
+/// Where rates at a point of the segment are in doubt, they are so for as long as what decays fast: as long as half of the residual is left.
+void PartRun::certify_within(const Point& point, double tau, const SegmentTimes& times, const std::vector<int>& at_zero) {
+  SegmentTimes lasting{times.length, times.followed - tau};
   const double shortest = tolerance::shortest_segment * request_.stop;
-  const double doubt = certificate_.looks_next() ? certificate_.row_residual(point_, times) : 0.0;
+  const double doubt = certificate_.looks_next() ? certificate_.row_residual(point, times) : 0.0;
   if (doubt > tolerance::doubtful_rows) {
     double residual = 0.0;
     while (!(residual > residual_left * doubt) && lasting.followed > shortest) {
       lasting.followed *= 0.5;
-      const Point inside = point_of_segment(lasting.followed, segment_->start() + lasting.followed, true);
+      const double later = tau + lasting.followed;
+      const Point inside = point_of_segment(later, segment_->start() + later, true);
       certificate_.add_point(inside, ports_, lasting, at_zero);
       residual = certificate_.row_residual(inside, times);
     }
   }
-  certificate_.add_point(point_, ports_, lasting, at_zero);
+  certificate_.add_point(point, ports_, lasting, at_zero);
 }
 
 /// Ports that are below zero for no longer than times have digits.

@@ -67,7 +67,6 @@ std::string SparseRun::mode_text() const {
 }
 
 bool SparseRun::begin(const std::vector<PartStart>& starts) {
-  bool projected = false;
   bool has_before = request_.probes.sink != nullptr;
   for (std::size_t i = 0; i < tracks_.size(); ++i)
     has_before = has_before && starts[i].missing.empty() && starts[i].signals.size() == tracks_[i]->part.island.signal_number.size();
@@ -79,14 +78,12 @@ bool SparseRun::begin(const std::vector<PartStart>& starts) {
       return fail(track.run.failure());
     }
     if (has_before) note_before_start(track, start);
-    projected |=
-        track.run.start_projected() && request_.use_initial_conditions && start.unknowns.empty();  // none is written where a run goes on
+    track.is_start_given = request_.use_initial_conditions && start.unknowns.empty();
     order_.push_back(i);
   }
   if (has_before) hand_over_start();
   std::make_heap(order_.begin(), order_.end(), is_later());
   watch_start();
-  if (projected) answer_.remarks.push_back(projected_start());
   return true;
 }
 
@@ -315,6 +312,8 @@ void SparseRun::finish() {
   Certificate& c = answer_.certificate;
   c.has_passivity = c.passive = true;
   double damped = 0.0;
+  if (std::any_of(tracks_.begin(), tracks_.end(), [](const auto& track) { return track->is_start_given && track->run.start_projected(); }))
+    answer_.remarks.push_back(projected_start());
   for (const auto& track : tracks_) {
     track->run.add_statistics(answer_.statistics);
     const auto& jumps = track->run.jumps();

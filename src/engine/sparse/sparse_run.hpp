@@ -38,6 +38,7 @@ class SparseRun : private RowSource {
     PartRun run;
     std::vector<double> values;         ///< of its shares of signals
     std::vector<int> shares, probes{};  ///< signals of the part that are parts of probes, and of which
+    bool is_start_given = false;        ///< by the deck; not by a run that this one goes on from
   };
   /// Order of the heap.
   [[nodiscard]] auto is_later() const {

@@ -25,12 +25,12 @@ StartUnknowns::StartUnknowns(const Descriptor& descriptor, const Sources& source
   factors_.keep_digits();
 }
 
-std::optional<std::vector<double>> StartUnknowns::find(const Start& start) {
+std::optional<KrylovSpace::Beginning> StartUnknowns::find(const Start& start) {
   double step = std::exp2(std::floor(std::log2(std::min(longest_, start.step))));  // so that factors serve again
   for (int tried = 0; tried < most_steps; ++tried, step *= shorter) {
     const Factor* const factor = factors_.at(1.0 / step, start.on);
     if (!factor || space_.begin(*factor, 1.0 / step, start.on, start.origin, start.size) != KrylovSpace::Begun::yes) return std::nullopt;
-    if (auto z = space_.unknowns_at_start()) return has_signs_of(start.on, *z, start.time) ? std::move(z) : std::nullopt;
+    if (auto found = space_.unknowns_at_start()) return has_signs_of(start.on, found->z, start.time) ? std::move(found) : std::nullopt;
   }
   return std::nullopt;
 }

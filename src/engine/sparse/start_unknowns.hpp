@@ -26,7 +26,7 @@ class StartUnknowns {
     double size = 0.0, step = 0.0;
   };
   /// None where no step is short enough, or a port is on its wrong side there: it changes sides and back while something decays, which the segment does not follow.
-  [[nodiscard]] std::optional<std::vector<double>> find(const Start& start);
+  [[nodiscard]] std::optional<KrylovSpace::Beginning> find(const Start& start);
   [[nodiscard]] const linalg::KluOrdering::Counts& counts() const { return factors_.counts(); }
 
  private:
