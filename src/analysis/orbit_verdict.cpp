@@ -45,7 +45,7 @@ class OrbitJudge {
       case Verdict::run_failed:
         return fail(orbit.answer.id, "on the way to the orbit, " + orbit.answer.message);
       case Verdict::interrupted:
-        return fail("E-interrupted", "interrupted before the orbit was found; nothing was written");
+        return fail("E-interrupted", "interrupted before the orbit was found; there are no rows of it");
     }
     state_.has_best_attempt = has_segments() || !orbit.trace.steps.empty();
   }
