@@ -199,6 +199,7 @@ class ExactSegment {
     bool is_regular = false;                           ///< it has had a factor without ε
     Attempts more_vectors;                             ///< than those that have digits
     double turn = usual_turn, longest = longest_turn;  ///< radians in γ
+    bool turns_many_vectors = false;                   ///< the fastest oscillation was one of a space of many vectors
   };
   [[nodiscard]] static std::string key(const Position& on) { return {on.begin(), on.end()}; }
   [[nodiscard]] double steps_wanted() const;

@@ -45,8 +45,10 @@ bool ExactSegment::is_undecided_by_habit(double longest) {
 
 double ExactSegment::steps_wanted() const { return has_all_decays_ ? steps_for_decays : steps_of_length; }
 
-/// Whether a length wants its 1/γ for the fastest oscillation, not for its own sake.
-bool ExactSegment::is_for_turning(const Habit& habit, double length) const { return habit.turning / habit.turn > steps_wanted() / length; }
+/// Whether a length wants its 1/γ for the fastest oscillation, not for its own sake. A space of few vectors is full at any γ.
+bool ExactSegment::is_for_turning(const Habit& habit, double length) const {
+  return habit.turns_many_vectors && habit.turning / habit.turn > steps_wanted() / length;
+}
 
 double ExactSegment::wanted_shift(const Habit& habit, double length) const {
   return shift_factor_ * std::max(steps_wanted() / length, habit.turning / habit.turn);
@@ -123,6 +125,7 @@ bool ExactSegment::turns_by_more(bool is_cut) {
   const double least = (is_cut ? turn_of_all : most_turn) * space_.shift(), turning = space_.turning(least);
   if (!(turning > least) || habit.turning >= turning) return false;
   habit.turning = turning;
+  habit.turns_many_vectors |= space_.dimension() >= many_vectors;
   return true;
 }
 
