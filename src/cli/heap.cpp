@@ -1,12 +1,12 @@
 #include "cli/heap.hpp"
 
+#include <cstdint>
+#include <cstdlib>
+
 #ifdef __GLIBC__
 #include <malloc.h>
 #include <sys/mman.h>
 #include <unistd.h>
-
-#include <cstdint>
-#include <cstdlib>
 #endif
 
 namespace pwlsim::cli {
