@@ -44,10 +44,7 @@ int run_export_session(const ExportOptions& options) {
   const auto deck = spice::smooth_deck(*reading.compiled->circuit, settings, diagnostics);
   messages.report(diagnostics, sources);
   if (!deck) return static_cast<int>(Status::wrong_input);
-  if (caught_signal() != 0) {
-    fail(messages, Status::run_failed, "E-interrupted", "interrupted before the deck was written");
-    return status_of_signal(caught_signal());
-  }
+  if (caught_signal() != 0) return fail_by_signal(messages, "interrupted before the deck was written");
   std::optional<waveform::OutputFile> file;
   if (const int status = open_output(options.output, reading.files, messages, file); status != 0) return status;
   return write_whole(*file, deck->text, messages);

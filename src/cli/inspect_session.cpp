@@ -13,10 +13,7 @@
 namespace pwlsim::cli {
 namespace {
 
-int interrupted(Messages& messages) {
-  messages.report({Severity::error, "E-interrupted", {}, "interrupted before the model was built; nothing was written"});
-  return status_of_signal(caught_signal());
-}
+int interrupted(Messages& messages) { return fail_by_signal(messages, "interrupted before the model was built; nothing was written"); }
 
 /// What may be left to itself after a signal.
 struct Work {

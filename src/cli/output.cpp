@@ -5,12 +5,20 @@
 
 #include <cerrno>
 #include <cstring>
+#include <utility>
+
+#include "cli/signals.hpp"
 
 namespace pwlsim::cli {
 
 int fail(Messages& messages, Status status, std::string id, std::string text) {
   messages.report({Severity::error, std::move(id), {}, std::move(text)});
   return static_cast<int>(status);
+}
+
+int fail_by_signal(Messages& messages, std::string text) {
+  (void)fail(messages, Status::run_failed, "E-interrupted", std::move(text));
+  return status_of_signal(caught_signal());
 }
 
 int print(const std::string& text, Messages& messages, Stream stream) {

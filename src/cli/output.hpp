@@ -13,6 +13,8 @@ namespace pwlsim::cli {
 
 /// Reports an error; returns the status.
 int fail(Messages& messages, Status status, std::string id, std::string text);
+/// E-interrupted, and the status of the signal that came.
+[[nodiscard]] int fail_by_signal(Messages& messages, std::string text);
 
 enum class Stream { output, error };
 

@@ -30,19 +30,15 @@ class SensitivitySession : public AnalysisSession {
     if (!run.options.json)
       status = print(analysis::derivative_text(outcome.sensitivities, digits_for(run.table_stream())), run.messages, run.table_stream());
     if (file_ && status == 0) status = write_whole(*file_, analysis::derivative_csv(outcome.sensitivities), run.messages);
-    if (status == 0 && analysis::are_interrupted(outcome.sensitivities)) return interrupted(run);
+    if (status == 0 && analysis::are_interrupted(outcome.sensitivities))
+      return fail_by_signal(run.messages, "stopped by a signal before all derivatives were known" +
+                                              (file_ ? "; those up to then are in " + file_->name() : std::string()));
     if (file_ && status == 0)
       run.messages.remark(fmt::format("wrote {}: {}\n", file_->name(), analysis::counted(outcome.sensitivities.size(), "derivative")));
     return status;
   }
 
  private:
-  [[nodiscard]] int interrupted(RunContext& run) const {
-    const std::string where = file_ ? "; those up to then are in " + file_->name() : "";
-    run.messages.report({Severity::error, "E-interrupted", {}, "stopped by a signal before all derivatives were known" + where});
-    return status_of_signal(caught_signal());
-  }
-
   std::optional<waveform::OutputFile> file_;
 };
 

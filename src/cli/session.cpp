@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -58,10 +57,7 @@ class Session {
 
   /// 0, or the status of a signal that came while nothing had been written yet.
   int interrupted_before_run() {
-    const int signal_number = caught_signal();
-    if (signal_number == 0) return 0;
-    run_.messages.report({Severity::error, "E-interrupted", {}, "interrupted before the run began; nothing was written"});
-    return status_of_signal(signal_number);
+    return caught_signal() != 0 ? fail_by_signal(run_.messages, "interrupted before the run began; nothing was written") : 0;
   }
 
   int prepare();
@@ -103,11 +99,12 @@ int Session::prepare() {
     run_.outcome.drawn_signals.push_back(run_.compiled->network.signals[k].name);
   if (const int signalled = interrupted_before_run(); signalled != 0) return signalled;
   Diagnostics diagnostics;
-  if (!run_.is_stepped()) share_heap();
   const double model_start = run_.seconds();
   run_.reltol = analysis::relative_tolerance(run_.options.reltol, run_.analyses());
-  if (!run_.is_stepped())
+  if (!run_.is_stepped()) {
+    share_heap();
     run_.messages.report(analysis::fit_diodes(*run_.compiled, run_.options.engine, run_.reltol, &caught_signal()), run_.sources);
+  }
   analyses_ = analysis_sessions(run_.analyses());
   if (is_orbit_alone()) {
     run_.engine = analysis::exact_engine_when_needed(run_.compiled->network);
@@ -175,9 +172,7 @@ int Session::check_can_be_made() {
 /// Before gigabytes are written. Pipes and devices take what they are given.
 void Session::warn_of_size() {
   constexpr double large = 1e9, text_bytes = 19.0;  // of a number of 16 digits with what stands around it, on average
-  std::error_code unknown;
-  const auto kind = std::filesystem::status(run_.options.output, unknown).type();
-  if (run_.options.output == "-" || (kind != std::filesystem::file_type::regular && kind != std::filesystem::file_type::not_found)) return;
+  if (takes_one_table(run_.options.output)) return;
   const auto runs = static_cast<double>(std::max<std::size_t>(1, run_.analyses().sweeps.runs()));
   const auto rows = static_cast<double>(analysis::row_grid(*run_.analyses().transient).rows);
   const auto columns = static_cast<double>(1 + run_.compiled->saved_signals() + run_.analyses().sweeps.list.size());

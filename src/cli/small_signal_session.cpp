@@ -49,7 +49,9 @@ class SmallSignalSession : public AnalysisSession {
     if (!response->impulsive.empty()) run.messages.report(impulsive_response_warning(response->impulsive));
     const int status = file_ ? write_whole(*file_, analysis::small_signal_csv(*response), run.messages) : 0;
     const std::size_t asked = run.analyses().small_signal->frequencies.size();
-    if (status == 0 && response->frequencies.size() < asked) return interrupted(run, asked);
+    if (status == 0 && response->frequencies.size() < asked)
+      return fail_by_signal(run.messages, fmt::format("stopped by a signal after {} of {} frequencies{}", response->frequencies.size(),
+                                                      asked, file_ ? "; the rows up to then are in " + file_->name() : ""));
     if (status == 0 && (file_ || run.options.no_rows))
       run.messages.remark(analysis::small_signal_summary(*response, file_ ? file_->name() : "nothing"));
     return status;
@@ -64,15 +66,6 @@ class SmallSignalSession : public AnalysisSession {
   }
 
  private:
-  [[nodiscard]] int interrupted(RunContext& run, std::size_t asked) const {
-    run.messages.report({Severity::error,
-                         "E-interrupted",
-                         {},
-                         fmt::format("stopped by a signal after {} of {} frequencies{}", run.outcome.small_signal->frequencies.size(),
-                                     asked, file_ ? "; the rows up to then are in " + file_->name() : "")});
-    return status_of_signal(caught_signal());
-  }
-
   static int fail(RunContext& run, const std::string& id, const std::string& message) {
     const circuit::SmallSignalAnalysis& card = *run.analyses().small_signal;
     const bool names_input = card.input != circuit::SmallSignalAnalysis::Input::marked || !card.loop.empty();

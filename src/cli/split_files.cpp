@@ -23,9 +23,7 @@ path folder_of(const std::string& name) {
 
 bool takes_one_table(const std::string& output) {
   std::error_code unknown;
-  const auto kind = std::filesystem::status(output, unknown).type();
-  return output == "-" || kind == std::filesystem::file_type::character || kind == std::filesystem::file_type::fifo ||
-         kind == std::filesystem::file_type::socket;
+  return output == "-" || std::filesystem::is_other(output, unknown);
 }
 
 std::string table_name(const std::string& output) { return output == "-" ? "standard output" : output; }

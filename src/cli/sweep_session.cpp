@@ -378,14 +378,13 @@ class Sweep {
       (void)fail(messages_, Status::run_failed, record.id, fmt::format("run with {}: {}", name(run), record.message));
     }
     if (failures > told) messages_.report({Severity::note, "N-more-failures", {}, fmt::format("{} more runs failed", failures - told)});
-    if (const int signal_number = caught_signal(); signal_number != 0) {
+    if (caught_signal() != 0) {
       const auto done = std::count_if(records_.begin(), records_.end(), [](const SweptRun& record) { return record.done; });
-      (void)fail(messages_, Status::run_failed, "E-interrupted",
-                 fmt::format("stopped by a signal after {} of {} runs{}", done, records_.size(),
-                             task_.rows == nullptr || task_.options.no_rows
-                                 ? ""
-                                 : (task_.options.split ? "; their files are listed in " : "; their rows are in ") + task_.rows->name()));
-      return status_of_signal(signal_number);
+      return fail_by_signal(messages_, fmt::format("stopped by a signal after {} of {} runs{}", done, records_.size(),
+                                                   task_.rows == nullptr || task_.options.no_rows
+                                                       ? ""
+                                                       : (task_.options.split ? "; their files are listed in " : "; their rows are in ") +
+                                                             task_.rows->name()));
     }
     return static_cast<int>(writing_failed_ ? Status::file_error : failures > 0 ? Status::run_failed : Status::done);
   }

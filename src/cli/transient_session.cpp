@@ -57,10 +57,7 @@ class TransientSession : public AnalysisSession {
   int check(RunContext& run) {
     run.outcome.check = analysis::check_run(*run.compiled, *kept_rows_, {run.engine.name, run.reltol, check_seconds, &caught_signal()});
     const analysis::Check& check = *run.outcome.check;
-    if (caught_signal() != 0) {
-      run.fail(Status::run_failed, "E-interrupted", "interrupted during the check; the rows are complete");
-      return status_of_signal(caught_signal());
-    }
+    if (caught_signal() != 0) return fail_by_signal(run.messages, "interrupted during the check; the rows are complete");
     const int printed = run.options.json ? 0 : print(analysis::check_text(check), run.messages, run.table_stream());
     if (check.agreement == analysis::Agreement::differs) return run.fail(Status::run_failed, "E-check-differs", check.reason);
     if (check.agreement == analysis::Agreement::undecided)

@@ -16,6 +16,7 @@ using Complex = std::complex<double>;
 namespace {
 
 constexpr double two_pi = 2.0 * M_PI;
+const std::string pulsed_rc = "rc\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m) AC 1\nR1 a b 1k\nC1 b 0 1u\n.save v(b)\n";
 constexpr Complex j{0.0, 1.0};
 
 Json result_of(const Scratch& scratch, const std::string& deck) {
@@ -275,33 +276,31 @@ TEST_CASE(".print ac chooses columns", "[unit]") {
 
 TEST_CASE("standard output takes the rows of one analysis", "[unit]") {
   const Scratch scratch;
-  const std::string rc = "rc\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m) AC 1\nR1 a b 1k\nC1 b 0 1u\n.save v(b)\n";
-  scratch.write("two.net", rc + ".pss\n.tran 1m 2m\n.end\n");
+  scratch.write("two.net", pulsed_rc + ".pss\n.tran 1m 2m\n.end\n");
   const Finished two = run_in(scratch, {"two.net", "-o", "-"});
   CHECK(two.status == 2);
   CHECK_THAT(two.err, Contains("error[E-option-conflict]"));
-  scratch.write("run.net", rc + ".tran 1m 2m\n.ac lin 1 100 100\n.end\n");
+  scratch.write("run.net", pulsed_rc + ".tran 1m 2m\n.ac lin 1 100 100\n.end\n");
   const Finished run = run_in(scratch, {"run.net", "-o", "-"});
   CHECK(run.status == 0);
   CHECK(run.out.starts_with("time,v(b)\n0,0"));
   CHECK_THAT(run.err, Contains("the rows of .ac are left out"));
-  scratch.write("alone.net", rc + ".ac lin 1 100 100\n.end\n");
+  scratch.write("alone.net", pulsed_rc + ".ac lin 1 100 100\n.end\n");
   CHECK(run_in(scratch, {"alone.net", "-o", "-"}).out.starts_with("frequency,vm(b),vp(b)\n100,"));
 }
 
 // /dev/null.ac.csv is a file that nobody asked for, and most may not write.
 TEST_CASE("a device takes the rows of one analysis", "[unit]") {
   const Scratch scratch;
-  const std::string rc = "rc\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m) AC 1\nR1 a b 1k\nC1 b 0 1u\n.save v(b)\n";
-  scratch.write("two.net", rc + ".pss\n.tran 1m 2m\n.end\n");
+  scratch.write("two.net", pulsed_rc + ".pss\n.tran 1m 2m\n.end\n");
   const Finished two = run_in(scratch, {"two.net", "-o", "/dev/null"});
   CHECK(two.status == 2);
   CHECK_THAT(two.err, Contains("/dev/null takes one table"));
-  scratch.write("run.net", rc + ".tran 1m 2m\n.meas tran m AVG v(b)\n.sens param=R1\n.ac lin 1 100 100\n.end\n");
+  scratch.write("run.net", pulsed_rc + ".tran 1m 2m\n.meas tran m AVG v(b)\n.sens param=R1\n.ac lin 1 100 100\n.end\n");
   const Finished run = run_in(scratch, {"run.net", "-o", "/dev/null"});
   CHECK(run.status == 0);
   CHECK_THAT(run.err, Contains("the rows of .ac are left out: /dev/null takes those of .tran"));
-  scratch.write("alone.net", rc + ".ac lin 1 100 100\n.end\n");
+  scratch.write("alone.net", pulsed_rc + ".ac lin 1 100 100\n.end\n");
   CHECK(run_in(scratch, {"alone.net", "-o", "/dev/null"}).status == 0);
   for (const char* name : {"/dev/null.ac.csv", "/dev/null.sens.csv", "/dev/null.pss.csv"}) CHECK_FALSE(std::filesystem::exists(name));
 }

@@ -1,7 +1,5 @@
 #include "engine/sparse/open_parts.hpp"
 
-#include <cmath>
-
 namespace pwlsim::engine::sparse {
 
 OpenParts::OpenParts(const model::Network& network)

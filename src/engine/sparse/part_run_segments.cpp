@@ -192,23 +192,22 @@ bool PartRun::follow_segment() {
   const double tau = request_.probes.sink != nullptr ? resolved_until(passage.tau) : passage.tau;
   const SegmentTimes times{segment_->length(), passage.tau};
   if (segment_tau_ == 0.0) certify_begin(times);
+  const auto certify = [&](const Point& point, double at, const std::vector<int>& at_zero) {
+    if (tau < passage.tau)
+      certify_within(point, at, times, at_zero);
+    else
+      certificate_.add_point(point, ports_, times, at_zero);
+  };
   for (const double share : inner_points) {
     if (!certificate_.wants_point()) continue;
     const double inside = segment_tau_ + share * (tau - segment_tau_);
-    const Point within = point_of_segment(inside, segment_->start() + inside, true);
-    if (tau < passage.tau)
-      certify_within(within, inside, times, {});
-    else
-      certificate_.add_point(within, ports_, times);
+    certify(point_of_segment(inside, segment_->start() + inside, true), inside, {});
   }
   watch_inside(tau);
   const double time = segment_->start() + tau;
   const bool has_rates = certificate_.looks_next() || records_ != nullptr;
   Point next = point_of_segment(tau, is_same_instant(time, limit) ? limit : time, has_rates);
-  if (tau < passage.tau)
-    certify_within(next, tau, times, ports_at_zero(tau));
-  else
-    certificate_.add_point(next, ports_, times, ports_at_zero(tau));
+  certify(next, tau, ports_at_zero(tau));
   if (records_ && tau >= passage.tau) record_end(next, tau, passage);
   settle_in(next);
   segment_tau_ = tau;

@@ -98,14 +98,14 @@ void RestingParts::divide(const Position& on) {
 }
 
 /// Whether an inductor that carries a current is a block alone. All else that conducts makes one node of what it joins, which leaves blocks of one edge as they are, and few edges.
-bool RestingParts::cuts_current() {
+bool RestingParts::cuts_current() const {
   const auto& states = descriptor_.states();
   DisjointSets joined(static_cast<int>(at_.size()));
-  open_.clear();
+  std::vector<std::pair<int, int>> ends;
   for (std::size_t i = 0; i < edges_.size(); ++i) {
     const Edge& edge = edges_[i];
     if (i < states.size() && states[i].is_current && holds_[i] != 0)
-      open_.push_back(static_cast<int>(i));
+      ends.emplace_back(edge.a, edge.b);
     else if (conducts(edge))
       joined.join(edge.a, edge.b);
   }
@@ -116,11 +116,9 @@ bool RestingParts::cuts_current() {
     if (of_set == nowhere) of_set = count++;
     return of_set;
   };
-  std::vector<std::pair<int, int>> ends;
-  for (const int i : open_) {
-    const Edge& edge = edges_[static_cast<std::size_t>(i)];
-    const int a = number_of(edge.a), b = number_of(edge.b);
-    ends.emplace_back(a, b);
+  for (auto& [a, b] : ends) {
+    a = number_of(a);
+    b = number_of(b);
   }
   const Blocks blocks = blocks_of(count, ends);
   return std::any_of(blocks.list.begin(), blocks.list.end(), is_alone);

@@ -60,7 +60,7 @@ class RestingParts {
     std::vector<int> followers{};  ///< nodes that hang on it and move
   };
   void divide(const Position& on);
-  [[nodiscard]] bool cuts_current();
+  [[nodiscard]] bool cuts_current() const;
   void find_conducting();
   void merge();
   void find_blocks(const Origin& start);
@@ -93,7 +93,7 @@ class RestingParts {
   std::vector<std::pair<int, int>> ends_;  ///< and their sets
   Blocks blocks_;                          ///< of these
   std::vector<int> anchor_;                ///< of sets: the first of the nodes at rest that they hang on
-  std::vector<int> open_;                  ///< nodes or edges to be looked at
+  std::vector<int> open_;                  ///< nodes to be looked at
   std::vector<Held> nodes_;
   std::vector<int> currents_;
   std::vector<char> idle_;  ///< ports
