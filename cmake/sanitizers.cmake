@@ -10,6 +10,8 @@ if(PWLSIM_SANITIZE)
   add_compile_options($<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   add_compile_definitions(_GLIBCXX_ASSERTIONS PWLSIM_SANITIZED)
   add_link_options(-fsanitize=address,undefined)
+  # Rooms in which tests spend little time compile in half of it without optimisation.
+  set(PWLSIM_ROOMS_AS_WRITTEN netlist elements circuit spice analysis api cli)
 endif()
 
 # ThreadSanitizer, for the threads of .step: a race is told on standard error, and the process ends with status 66.
