@@ -25,6 +25,7 @@ constexpr std::size_t most_given_up = 4096;  ///< that are known
 constexpr std::size_t most_closings = 4, columns_of_flip = 8;
 constexpr std::size_t most_shared = 8;  ///< ties of a position among which the least norm is sought
 constexpr int uses_of_update = 32;
+constexpr std::size_t most_columns_of_rough = 24;  ///< the cost of a factor of its own, at most
 
 }  // namespace
 
@@ -158,7 +159,6 @@ linalg::Factored Factors::factor(Entry& entry, const std::vector<int>& ties, boo
   f.descriptor_ = &descriptor_;
   f.flips_.clear();
   f.columns_ = std::make_shared<Factor::Columns>();
-  if (!keeps_digits_) f.columns_->of_port.resize(entry.on.size());
   f.closing_.reset();
   f.ties_.clear();
   f.open_.clear();
@@ -229,33 +229,50 @@ const std::vector<double>& Factors::column(const Factor& base, int port) const {
   return column;
 }
 
-/// From a factor of the same shift that few ports tell from the wanted one.
-bool Factors::update(Entry& entry) {
-  const Entry* base = nearest(entry);
-  if (!base) return false;
-  Factor f = base->factor;
-  for (std::size_t i = 0; i < entry.on.size(); ++i)
-    if (entry.on[i] != base->on[i]) f.flips_.push_back(static_cast<int>(i));
+/// From a factor that few ports tell from the wanted one, which then has at most so many columns. Nothing where too much of it would be rounding.
+std::optional<Factor> Factors::reach(const Entry& base, const Position& on, std::size_t most_columns) const {
+  Factor f = base.factor;
+  f.columns_->of_port.resize(on.size());
+  for (std::size_t i = 0; i < on.size(); ++i)
+    if (on[i] != base.on[i]) f.flips_.push_back(static_cast<int>(i));
   const auto k = static_cast<Eigen::Index>(f.flips_.size());
   const auto missing = static_cast<std::size_t>(std::count_if(
       f.flips_.begin(), f.flips_.end(), [&](int port) { return f.columns_->of_port[static_cast<std::size_t>(port)].empty(); }));
-  if (f.columns_->count + missing > most_closings * columns_of_flip) return false;
+  if (f.columns_->count + missing > most_columns) return std::nullopt;
   linalg::Matrix s(k, k);
   f.flipped_on_.clear();
-  for (const int port : f.flips_) f.flipped_on_.push_back(entry.on[static_cast<std::size_t>(port)]);
+  for (const int port : f.flips_) f.flipped_on_.push_back(on[static_cast<std::size_t>(port)]);
   for (Eigen::Index j = 0; j < k; ++j) {
     const std::vector<double>& of_flip = column(f, f.flips_[static_cast<std::size_t>(j)]);
     for (std::size_t i = 0; i < f.flips_.size(); ++i)
       s(static_cast<Eigen::Index>(i), j) = f.flipped(i).response(f.flipped_on_[i] == 0, of_flip.data());
   }
-  if (!(s.diagonal().cwiseAbs().minCoeff() > 0.0)) return false;
+  if (!(s.diagonal().cwiseAbs().minCoeff() > 0.0)) return std::nullopt;
   f.scale_ = s.diagonal().cwiseAbs().cwiseSqrt().cwiseInverse();
   f.small_.compute(f.scale_.asDiagonal() * s * f.scale_.asDiagonal());
-  if (!(lcp::reciprocal_condition(f.small_) > tolerance::update_condition)) return false;
+  if (!(lcp::reciprocal_condition(f.small_) > tolerance::update_condition)) return std::nullopt;
+  return f;
+}
+
+/// From a factor of the same shift that few ports tell from the wanted one.
+bool Factors::update(Entry& entry) {
+  const Entry* base = nearest(entry);
+  if (!base) return false;
+  std::optional<Factor> f = reach(*base, entry.on, most_closings * columns_of_flip);
+  if (!f) return false;
   note_known(*base);
-  if (!(backward_error(f) <= tolerance::update_residual)) return false;
-  entry.factor = std::move(f);
+  if (!(backward_error(*f) <= tolerance::update_residual)) return false;
+  entry.factor = std::move(*f);
   return true;
+}
+
+std::optional<Factors::Rough> Factors::rough(const Position& on) {
+  if (last_ >= entries_.size()) return std::nullopt;
+  const Entry& base = entries_[last_];
+  if (base.used == 0 || !base.factor.is_as_it_stands() || !base.factor.flips_.empty() || base.on == on) return std::nullopt;
+  std::optional<Factor> factor = reach(base, on, most_columns_of_rough);
+  if (!factor) return std::nullopt;
+  return Rough{std::move(*factor), base.shift};
 }
 
 /// A solution of our own, no entry of it small.

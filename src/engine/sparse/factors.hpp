@@ -79,6 +79,12 @@ class Factors {
 
   /// Null where the matrix is singular. Valid until the next call. Shifts that agree to 1e-11 count as one.
   [[nodiscard]] const Factor* at(double shift, const Position& on);
+  /// By columns of the factor that was used last: right to the largest unknowns only. Nothing where that is none to begin from, or too many ports tell them apart.
+  struct Rough {
+    Factor factor;
+    double shift;
+  };
+  [[nodiscard]] std::optional<Rough> rough(const Position& on);
   /// Whether ports that conduct in the second position may share currents that they do not in the first. Where the graph does not tell, they may.
   [[nodiscard]] bool may_share(const Position& on, const Position& shared) const {
     return !parts_ || !parts_->tells_all() || parts_->loops(shared) > parts_->loops(on);
@@ -112,6 +118,7 @@ class Factors {
   [[nodiscard]] const linalg::KluFactor* latest(const Entry& entry) const;
   [[nodiscard]] const Entry* nearest(const Entry& entry) const;
   [[nodiscard]] const std::vector<double>& column(const Factor& base, int port) const;
+  [[nodiscard]] std::optional<Factor> reach(const Entry& base, const Position& on, std::size_t most_columns) const;
   [[nodiscard]] bool update(Entry& entry);
   [[nodiscard]] bool recovers(const Factor& factor, double shift, const Descriptor::Closing& closing);
   [[nodiscard]] static double own_solution(std::size_t i);

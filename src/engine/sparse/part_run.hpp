@@ -21,6 +21,7 @@
 #include "engine/sparse/attempts.hpp"
 #include "engine/sparse/controls.hpp"
 #include "engine/sparse/exact_segment.hpp"
+#include "engine/sparse/forecast.hpp"
 #include "engine/sparse/part.hpp"
 #include "engine/sparse/segment_record.hpp"
 #include "engine/sparse/stall_watch.hpp"
@@ -195,6 +196,7 @@ class PartRun {
   [[nodiscard]] bool begin_segment();
   [[nodiscard]] bool find_segment(const Beginning& beginning, Instant& instant);
   [[nodiscard]] bool follows_directly(const Position& candidate);
+  [[nodiscard]] bool follows_as_foretold(const Position& candidate);
   [[nodiscard]] bool follows_by_signs(const Position& candidate);
   enum class Sought { found, jumped, not_found };
   [[nodiscard]] Sought seek_segment(const Beginning& beginning, Instant& instant, double h);
@@ -297,6 +299,8 @@ class PartRun {
   double piece_length_ = 0.0;                ///< of the last piece on which probes are polynomials, s
   Attempts growing_pieces_;                  ///< of pieces, in a segment
   std::unique_ptr<TieSelector> ties_;        ///< likewise
+  std::unique_ptr<Forecast> forecast_;       ///< likewise, of a passive part
+  Attempts foretelling_;                     ///< of the position behind corners of gates
   int last_guard_ = -1;                      ///< that ended the segment before
   int passing_ = -1;                         ///< the same, until the position behind it is found
   Point point_;

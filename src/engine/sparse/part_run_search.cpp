@@ -80,6 +80,16 @@ bool PartRun::follows_directly(const Position& candidate) {
   return rejecting_early.note(is_found) || (open_segment(candidate) == ExactSegment::Opened::yes && follows_by_signs(candidate));
 }
 
+/// Where switches change at a known instant, diodes mostly do as well: that position is tried first.
+bool PartRun::follows_as_foretold(const Position& candidate) {
+  if (starting_ || !forecast_ || passing_ >= 0 || candidate == position_before_ || position_before_.empty() || !foretelling_.is_due()) return false;
+  Position on = candidate;
+  const bool is_found = forecast_->find(point_.time, point_.z, on) && open_segment(on) == ExactSegment::Opened::yes &&
+                        segment_->negative().empty() && is_continuous();
+  if (is_found) point_.on = on;
+  return foretelling_.note(is_found);
+}
+
 /// The same, where the candidate's segment is open.
 bool PartRun::follows_by_signs(const Position& candidate) {
   point_.on = candidate;
@@ -257,7 +267,8 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
     jumps_taken_.clear();
     const Position& candidate = ahead.empty() ? beginning.on : ahead;
     const Ways ways = relaxation.ways;
-    found = ways != Ways::by_steps && follows_directly(candidate);
+    found = ways == Ways::directly_or_by_ties && follows_as_foretold(candidate);
+    found = found || (ways != Ways::by_steps && follows_directly(candidate));
     if (!found && (ways == Ways::directly_or_by_ties || ways == Ways::all)) found = follows_by_ties(beginning, candidate);
     if (!found && (ways == Ways::by_steps || ways == Ways::all)) found = find_after_steps(beginning, instant);
     if (found && relaxation.refines) segment_->refine_position();

@@ -24,6 +24,7 @@ void PartRun::note_least_voltage() {
   const double least = tolerance::least_scale * (most > 0.0 ? most : 1.0);
   segment_->note_least_voltage(least);
   ties_->note_voltage(least);
+  if (forecast_) forecast_->note_voltage(least);
   certificate_.allow_rounding(least);
 }
 
