@@ -14,8 +14,8 @@ namespace {
 using Eigen::Index;
 
 /// Ratio of neighbouring rates that makes a cut, and where none is as large. At a hundred, what the slow motion does while the decays last hides an event (a boost rectifier's
-/// diode, from rest).
-constexpr double gap = 1e4, least_gap = 1e3;
+/// diode, from rest); where decays are only told apart in what is followed as a whole, that is enough.
+constexpr double gap = 1e4, least_gap = 1e3, least_gap_of_part = 1e2;
 constexpr int most_turns_of_subspace = 16;
 /// Before a change that does not shrink to `least_progress` counts as rounding: the gap makes it 10⁻⁴ of the last.
 constexpr int fewest_turns_of_subspace = 3;
@@ -87,7 +87,9 @@ WideMatrix dominant_subspace(const WideMatrix& s, WideMatrix start, Index dimens
 std::optional<FastPart> fast_part(const Matrix& a) {
   const Rates rates = rates_by_speed(a);
   if (rates.empty()) return std::nullopt;
-  const Cut cut = find_cut(rates, INFINITY, std::abs(rates.back()));
+  const double slowest = std::abs(rates.back());
+  Cut cut = find_cut(rates, INFINITY, slowest);
+  if (cut.fast == 0) cut = cut_at(rates, INFINITY, slowest, least_gap_of_part);
   const Index count = cut.fast;
   if (count == 0) return std::nullopt;
   const WideMatrix wide = a.cast<Wide>(), transposed = wide.transpose();

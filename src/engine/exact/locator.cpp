@@ -61,7 +61,7 @@ double growth_over(double rate, double h) { return rate > 0.0 ? std::exp(std::mi
 double Locator::noise_of(const Segment& s, int row) const {
   const double size = std::max(linalg::absolute_row_times(s.mode->guards, row, s.y.data()),
                                share_of_norm * s.mode->guard_norm[row] * linalg::norm(s.y.data(), s.mode->ny));
-  if (s.mode->guard_error.size() == 0) return std::max(tolerance::graze, s.mode->guard_noise[row]) * size;
+  if (s.mode->guard_error.size() == 0) return std::max(s.least_noise, s.mode->guard_noise[row]) * size;
   return model::guard_rounding(*s.mode, row, s.y.data(), size, tolerance::graze);
 }
 

@@ -28,6 +28,7 @@
 #include <vector>
 
 #include "engine/exact/modal_search.hpp"
+#include "engine/exact/tolerances.hpp"
 #include "model/mode.hpp"
 #include "model/verify.hpp"
 
@@ -44,8 +45,9 @@ struct Segment {
   std::vector<int> rows;                     ///< guard rows to watch
   std::vector<model::Departure> departures;  ///< of each at the anchor
 
-  bool passes_rest = false;  ///< guards that are rounding at both ends of an interval do not pass in between
-  bool is_brief = false;     ///< it lasts as long as fast decays, and may be shorter than the rounding of the anchor
+  double least_noise = tolerance::graze;  ///< of a guard's terms: a minimum so far below zero touches it
+  bool passes_rest = false;               ///< guards that are rounding at both ends of an interval do not pass in between
+  bool is_brief = false;                  ///< it lasts as long as fast decays, and may be shorter than the rounding of the anchor
   /// Of such a one, ψ_k at the anchor (model::Decays), then what rounding may add to each; empty: not known yet, or there are none.
   std::vector<double> decays;
   bool decays_fail = false;  ///< they do not describe the guards

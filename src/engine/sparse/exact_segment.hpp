@@ -88,10 +88,6 @@ class ExactSegment {
   [[nodiscard]] double length() const { return length_; }
   /// Guards that fall below zero at once: ports by number, then controls.
   [[nodiscard]] const std::vector<int>& negative() const { return negative_; }
-  /// Guards that begin below zero by rounding and rise; and the one that has just passed zero, where it is below for a small part of the segment: a leak carries what
-  /// rounding leaves of a current.
-  [[nodiscard]] const std::vector<int>& rising() const { return rising_; }
-
   /// Whether the position differs from that one in a switch, or in a port that leaves zero: one at zero may be on either side.
   [[nodiscard]] bool changes_visibly(const Position& before);
 
@@ -115,6 +111,9 @@ class ExactSegment {
   [[nodiscard]] double guard(int guard, const std::vector<double>& y) const { return linalg::row_times(mode_->guards, guard, y.data()); }
   /// y' at y, 1/s.
   [[nodiscard]] std::vector<double> slope(const std::vector<double>& y) const;
+  /// Whether rounding decides the sign that a port has in the unknowns at y: it is below zero for no longer than times have digits, on its way up from rounding at the start, or only by what is left of
+  /// a decay that is over, which its guard leaves out.
+  [[nodiscard]] bool is_at_zero(int port, const std::vector<double>& y) const;
   /// The slope of a guard at y, 1/s.
   [[nodiscard]] double guard_rate(int guard, const std::vector<double>& y) const;
   /// Guards of ports that are at zero at y, to rounding, and fall.
@@ -246,6 +245,7 @@ class ExactSegment {
   void leave_out_decays();
   void note_rounding();
   void note_later_rounding();
+  void judge_hidden();
   void note_terms();
   [[nodiscard]] double noise_of_row(int row, double least) const;
   [[nodiscard]] double size_of_kind(int row) const;
@@ -292,12 +292,15 @@ class ExactSegment {
   bool located_ = false;
   double hidden_decay_ = 0.0;    ///< rate of a decay that it begins with, 1/s, if its error hides what that does to a guard
   bool outlasts_decay_ = false;  ///< a guard is rounding beside that decay, and none once it is over
-  std::vector<int> negative_, rising_, free_, idle_;
+  std::vector<int> negative_, free_, idle_;
+  /// Guards that begin below zero by rounding and rise; and the one that has just passed zero, where it is below for a small part of the segment: a leak carries what rounding leaves of a current.
+  std::vector<int> rising_;
   std::vector<std::vector<int>> beside_;  ///< of each port those in parallel
   linalg::Vector terms_;                  ///< of guards: the magnitudes that each is a sum of at the start
   double input_ = 0.0;                    ///< the largest of those of currents
-  std::vector<double> left_out_;          ///< of guards: what a decay that is over, and its rounding, leave
+  std::vector<double> left_out_;          ///< of guards: the rounding of taking out a decay that is over; 0: there is none
   std::vector<double> later_noise_;       ///< of guards that read a decay that is not, once it is; infinite: they do not
+  std::vector<double> slow_start_;        ///< of these: what they are at the start without it
   double start_rounding_ = 0.0;           ///< √energy
   std::vector<double> zeta_, y_, work_;
   bool nothing_flows_ = false;                   ///< through ports, but for rounding

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "base/arithmetic.hpp"
 #include "engine/sparse/exact_segment.hpp"
@@ -146,7 +147,8 @@ double ExactSegment::size_of_kind(int row) const {
 }
 
 /// A row behind a leak that floats reads mostly a decay of nanoseconds. Where that is over, what is left of it in the state is rounding: it is left out of such rows, whose noise is
-/// that of the slow motion then. Where it is not, they keep it, and their noise is that of the slow motion once they are clear of what the start makes of it.
+/// that of the slow motion then. Where it is not, or where it alone keeps a guard above zero that is below once it is over, they keep it, and their noise is that of the slow motion once they are clear
+/// of what the start makes of it.
 void ExactSegment::leave_out_decays() {
   model::Mode& m = *mode_;
   const linalg::Vector& y = space_.first();
@@ -154,6 +156,7 @@ void ExactSegment::leave_out_decays() {
   hidden_decay_ = 0.0;
   left_out_.assign(static_cast<std::size_t>(m.guards.rows()), 0.0);
   later_noise_.assign(static_cast<std::size_t>(m.guards.rows()), INFINITY);
+  slow_start_.assign(static_cast<std::size_t>(m.guards.rows()), 0.0);
   std::vector<int> far;
   for (const int row : segment_.rows)
     if (share_of_norm * m.guard_norm[row] * norm > beyond_size * std::max(size_of_kind(row), terms_[row])) far.push_back(row);
@@ -163,18 +166,20 @@ void ExactSegment::leave_out_decays() {
   const linalg::Vector decays = part->coordinates * y;
   for (const int row : far) {
     const Eigen::RowVectorXd of_decays = m.guards.row(row) * part->fast, slow = m.guards.row(row) - of_decays * part->coordinates;
-    const double size = m.guard_norm[row] * norm, rounding = tolerance::left_of_decay * size;
+    const double size = m.guard_norm[row] * norm, rounding = tolerance::left_of_decay * size, slow_value = slow.dot(y);
     const double left = std::max(of_decays.cwiseAbs().dot(decays.cwiseAbs()), rounding);
-    if (left <= m.noise * share_of_norm * size) {
+    const double of_slow = m.noise * std::max(share_of_norm * slow.norm() * norm, slow.cwiseAbs().dot(y.cwiseAbs())) + rounding;
+    const bool is_held_by_decay = slow_value < -of_slow && slow_value + of_decays.dot(decays) > rounding;
+    if (left <= m.noise * share_of_norm * size && !is_held_by_decay) {
       m.guards.row(row) = slow;
       m.absolute_guards.row(row) = slow.cwiseAbs();
       m.guard_norm[row] = m.guard_c_norm[row] = slow.norm();
-      left_out_[static_cast<std::size_t>(row)] = left;
+      left_out_[static_cast<std::size_t>(row)] = rounding;
     } else {
-      const double of_slow = m.noise * std::max(share_of_norm * slow.norm() * norm, slow.cwiseAbs().dot(y.cwiseAbs()));
       const double of_segment = estimate_ * m.guard_norm[row];
-      if (of_segment > of_slow + rounding) hidden_decay_ = part->slowest;
-      later_noise_[static_cast<std::size_t>(row)] = (of_slow + rounding + of_segment) / (share_of_norm * size);
+      if (of_segment > of_slow) hidden_decay_ = part->slowest;
+      later_noise_[static_cast<std::size_t>(row)] = (of_slow + of_segment) / (share_of_norm * size);
+      slow_start_[static_cast<std::size_t>(row)] = slow_value;
     }
   }
   note_terms();
@@ -220,6 +225,26 @@ void ExactSegment::note_later_rounding() {
     const double later = later_noise_[static_cast<std::size_t>(row)];
     if (segment_.departures[i].order != 0 || !(later < mode_->guard_noise[row])) continue;
     mode_->guard_noise[row] = noise_of_row(row, later);
+  }
+}
+
+/// Guards that the noise of a decay leaves without a sign have the noise of the slow motion, too: one that this takes below zero falls, at once or where it passes zero. One that begins below zero and that
+/// the slow motion takes above keeps the noise of the decay.
+void ExactSegment::judge_hidden() {
+  if (relaxation_ > 1.0) return;
+  for (std::size_t i = 0; i < segment_.rows.size(); ++i) {
+    const int row = segment_.rows[i];
+    model::Departure& departure = segment_.departures[i];
+    const double later = later_noise_[static_cast<std::size_t>(row)];
+    if (departure.order >= 0 || !(later < mode_->guard_noise[row]) || muted_.contains(row)) continue;
+    const double before = std::exchange(mode_->guard_noise[row], noise_of_row(row, later));
+    const double zero = rounding_of(row, segment_.y0), value = guard(row, segment_.y0), slow = slow_start_[static_cast<std::size_t>(row)];
+    if (value > zero)
+      departure = {0, value};
+    else if (value < -zero && slow < -zero)
+      departure = {0, slow};
+    else if (value < -zero)
+      mode_->guard_noise[row] = before;
   }
 }
 
@@ -304,6 +329,7 @@ void ExactSegment::judge_start() {
   segment_.anchor = start_;
   segment_.longest = length_;
   segment_.passes_rest = true;
+  segment_.least_noise = 0.0;
   segment_.y0.assign(space_.first().begin(), space_.first().end());
   segment_.y = segment_.y0;
   segment_.tau = segment_.certified = segment_.step = 0.0;
@@ -314,6 +340,7 @@ void ExactSegment::judge_start() {
   segment_.departures.resize(segment_.rows.size());
   model::Verifier verifier;
   if (!segment_.rows.empty()) verifier.departures(*mode_, segment_.y0.data(), segment_.rows, segment_.departures.data());
+  judge_hidden();
   negative_.clear();
   rising_.clear();
   const linalg::Matrix& a = mode_->flow.a();
@@ -357,6 +384,14 @@ bool ExactSegment::changes_visibly(const Position& before) {
   if (at_zero.empty()) return false;
   const std::vector<double>& later = at(std::min(length_, expected_));  // a derivative at the start may be below the rounding of others
   return std::any_of(at_zero.begin(), at_zero.end(), [&](int row) { return std::abs(guard(row, later)) > rounding_of(row, later); });
+}
+
+bool ExactSegment::is_at_zero(int port, const std::vector<double>& y) const {
+  const double value = guard(port, y);
+  if (value >= 0.0) return left_out_[static_cast<std::size_t>(port)] > 0.0;
+  const double rate = guard_rate(port, y);
+  return -value <= tolerance::shortest_segment * stop_ * std::abs(rate) ||
+         (rate > 0.0 && std::find(rising_.begin(), rising_.end(), port) != rising_.end());
 }
 
 /// Of a guard's value at y.

@@ -217,8 +217,7 @@ class PartRun {
   [[nodiscard]] double euler_length(const Beginning& beginning) const;
   [[nodiscard]] double room() const;
   [[nodiscard]] bool follow_segment();
-  void certify_begin(const SegmentTimes& times);
-  void certify_within(const Point& point, double tau, const SegmentTimes& times, const std::vector<int>& at_zero);
+  void certify_within(const Point& point, double tau, const SegmentTimes& times);
   [[nodiscard]] std::vector<int> ports_at_zero(double tau);
   [[nodiscard]] Point point_of_segment(double tau, double time, bool has_rates);
   [[nodiscard]] bool begins_at(double time) const;

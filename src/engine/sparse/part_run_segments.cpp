@@ -192,23 +192,23 @@ bool PartRun::follow_segment() {
   const ExactSegment::Passage& passage = segment_->locate(limit - segment_->start());
   const double tau = request_.probes.sink != nullptr ? resolved_until(passage.tau) : passage.tau;
   const SegmentTimes times{segment_->length(), passage.tau};
-  if (segment_tau_ == 0.0) certify_begin(times);
-  const auto certify = [&](const Point& point, double at, const std::vector<int>& at_zero) {
+  if (segment_tau_ == 0.0) certify_within(point_, 0.0, times);
+  const auto certify = [&](const Point& point, double at) {
     if (tau < passage.tau)
-      certify_within(point, at, times, at_zero);
+      certify_within(point, at, times);
     else
-      certificate_.add_point(point, ports_, times, at_zero);
+      certificate_.add_point(point, ports_, times, ports_at_zero(at));
   };
   for (const double share : inner_points) {
     if (!certificate_.wants_point()) continue;
     const double inside = segment_tau_ + share * (tau - segment_tau_);
-    certify(point_of_segment(inside, segment_->start() + inside, true), inside, {});
+    certify(point_of_segment(inside, segment_->start() + inside, true), inside);
   }
   watch_inside(tau);
   const double time = segment_->start() + tau;
   const bool has_rates = certificate_.looks_next() || records_ != nullptr;
   Point next = point_of_segment(tau, is_same_instant(time, limit) ? limit : time, has_rates);
-  certify(next, tau, ports_at_zero(tau));
+  certify(next, tau);
   if (records_ && tau >= passage.tau) record_end(next, tau, passage);
   settle_in(next);
   segment_tau_ = tau;
@@ -218,14 +218,9 @@ bool PartRun::follow_segment() {
   return true;
 }
 
-void PartRun::certify_begin(const SegmentTimes& times) {
-  std::vector<int> at_zero = ports_at_zero(0.0);
-  at_zero.insert(at_zero.end(), segment_->rising().begin(), segment_->rising().end());
-  certify_within(point_, 0.0, times, at_zero);
-}
-
 /// Where rates at a point of the segment are in doubt, they are so for as long as what decays fast: as long as half of the residual is left.
-void PartRun::certify_within(const Point& point, double tau, const SegmentTimes& times, const std::vector<int>& at_zero) {
+void PartRun::certify_within(const Point& point, double tau, const SegmentTimes& times) {
+  const std::vector<int> at_zero = ports_at_zero(tau);
   SegmentTimes lasting{times.length, times.followed - tau};
   const double shortest = tolerance::shortest_segment * request_.stop;
   const double doubt = certificate_.looks_next() ? certificate_.row_residual(point, times) : 0.0;
@@ -242,14 +237,13 @@ void PartRun::certify_within(const Point& point, double tau, const SegmentTimes&
   certificate_.add_point(point, ports_, lasting, at_zero);
 }
 
-/// Ports that are below zero for no longer than times have digits.
+/// Of the next point, if the certificate looks at it.
 std::vector<int> PartRun::ports_at_zero(double tau) {
   std::vector<int> at_zero;
+  if (!certificate_.looks_next()) return at_zero;
   const std::vector<double> y = segment_->at(tau);
-  for (int i = 0; i < descriptor_.first_switch(); ++i) {
-    const double value = segment_->guard(i, y);
-    if (value < 0.0 && -value <= tolerance::shortest_segment * request_.stop * std::abs(segment_->guard_rate(i, y))) at_zero.push_back(i);
-  }
+  for (int i = 0; i < descriptor_.first_switch(); ++i)
+    if (segment_->is_at_zero(i, y)) at_zero.push_back(i);
   return at_zero;
 }
 
