@@ -66,6 +66,17 @@ ExactSegment::Opened PartRun::open_segment(const Position& on) {
   return segment_->open(factors_, {point_.time, on, point_.z, start_memory_, longest});
 }
 
+/// Where switches change at a known instant, diodes mostly do as well: that position is tried first.
+bool PartRun::follows_as_foretold(const Position& candidate) {
+  const bool switches_change = passing_ < 0 && !position_before_.empty() && candidate != position_before_;
+  if (starting_ || !forecast_ || !switches_change || !foretelling_.is_due()) return false;
+  Position on = candidate;
+  const bool is_found = forecast_->find(point_.time, point_.z, on) && open_segment(on) == ExactSegment::Opened::yes &&
+                        segment_->negative().empty() && is_continuous();
+  if (is_found) point_.on = on;
+  return foretelling_.note(is_found);
+}
+
 /// Whether the segment in that position, or in one that its signs lead to, goes on from the states as they are. Few vectors show signs that are far from right: positions
 /// that have them are left at once, as long as that leads to one that holds.
 bool PartRun::follows_directly(const Position& candidate) {
@@ -78,16 +89,6 @@ bool PartRun::follows_directly(const Position& candidate) {
   const bool is_found = opened == ExactSegment::Opened::yes && follows_by_signs(candidate);
   if (!is_rejected) return is_found;
   return rejecting_early.note(is_found) || (open_segment(candidate) == ExactSegment::Opened::yes && follows_by_signs(candidate));
-}
-
-/// Where switches change at a known instant, diodes mostly do as well: that position is tried first.
-bool PartRun::follows_as_foretold(const Position& candidate) {
-  if (starting_ || !forecast_ || passing_ >= 0 || candidate == position_before_ || position_before_.empty() || !foretelling_.is_due()) return false;
-  Position on = candidate;
-  const bool is_found = forecast_->find(point_.time, point_.z, on) && open_segment(on) == ExactSegment::Opened::yes &&
-                        segment_->negative().empty() && is_continuous();
-  if (is_found) point_.on = on;
-  return foretelling_.note(is_found);
 }
 
 /// The same, where the candidate's segment is open.
