@@ -23,13 +23,14 @@ constexpr int most_jumps = 8;                 ///< one after the other at an ins
 constexpr int most_flips = 8, few_flips = 2;  ///< rounds
 enum class Ways { directly, directly_or_by_ties, by_steps, all };
 /// Of signs, where they agree in no position; before that solutions with all their digits, where no state jumps, a closer look at what is fast, and, where nothing follows that, its decay as a jump.
-/// A guard whose sign is rounding is first tried on both sides, as steps cost a factor for each length and position.
+/// A guard whose sign is rounding is first tried on both sides, as steps cost a factor for each length and position. A jump in which a port passes zero is taken only where shorter segments do not
+/// show its passage.
 struct Relaxation {
   double factor = 1.0;
   bool takes_positive = false;
   Ways ways = Ways::all;
   double length = 1.0;
-  bool refines = false, jumps = true, decays_jump = false;
+  bool refines = false, jumps = true, decays_jump = false, passes_jump = false;
 };
 constexpr std::array<Relaxation, 13> relaxations{{{.ways = Ways::directly_or_by_ties},
                                                   {.takes_positive = true, .ways = Ways::directly},
@@ -38,12 +39,12 @@ constexpr std::array<Relaxation, 13> relaxations{{{.ways = Ways::directly_or_by_
                                                   {.takes_positive = true},
                                                   {.length = 0x1p-12},
                                                   {.length = 0x1p-24},
-                                                  {.decays_jump = true},
-                                                  {.factor = 30.0, .takes_positive = true},
-                                                  {.factor = 1e3, .takes_positive = true},
-                                                  {.factor = 1e3},
-                                                  {.refines = true},
-                                                  {.takes_positive = true, .refines = true}}};
+                                                  {.decays_jump = true, .passes_jump = true},
+                                                  {.factor = 30.0, .takes_positive = true, .passes_jump = true},
+                                                  {.factor = 1e3, .takes_positive = true, .passes_jump = true},
+                                                  {.factor = 1e3, .passes_jump = true},
+                                                  {.refines = true, .passes_jump = true},
+                                                  {.takes_positive = true, .refines = true, .passes_jump = true}}};
 constexpr double shortest_with_jumps = 1e-5;  ///< of the usual length: in steps for shorter segments impulses leave states no digits
 constexpr char idle_mark = 2;                 ///< of a port that is on and carries nothing
 
@@ -261,6 +262,7 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
     segment_->refine(relaxation.refines);
     may_jump_ = relaxation.jumps;
     decays_jump_ = relaxation.decays_jump;
+    passes_jump_ = relaxation.passes_jump;
     stand(before);
     jump_steps_ = {};
     jump_impulses_.clear();

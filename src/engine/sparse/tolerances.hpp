@@ -255,6 +255,9 @@ inline constexpr double start_rounding = 1e-8;
 /// Of: the largest √energy.
 /// Why: an estimate that is below it and does not shrink is rounding of the vectors.
 inline constexpr double converged_rounding = 1e-9;
+/// Of: the largest √energy.
+/// Why: ten tolerances of a segment: where an estimate above it does not shrink, more vectors are tried before it counts as rounding.
+inline constexpr double plain_rounding = 1e-12;
 /// Of: an error's part of the largest √energy, as its part of a state's size.
 /// Why: the tolerance of a segment over five units of rounding: no vector makes an error smaller than that.
 inline constexpr double most_weight_of_error = 1e3;
