@@ -49,6 +49,24 @@ TEST_CASE("a non-inverting buck-boost converter starts at rest in any order of i
   }
 }
 
+// The half-bridge's switches are open, and alike: v(mid) is half of 325 V. Its time constant is 700 MΩ times 33 µF, that of the rectifier tied to it 177 µH over 1.3 MΩ.
+TEST_CASE("what leaks alone decide is at rest to nine digits beside what is fast", "[regression]") {
+  const std::string text =
+      "t\nVg1 g1 0 PULSE(0 1 18.983u 26.2n 26.2n 12.191u 26.2u)\nVg2 g2 0 PULSE(0 1 32.083u 26.2n 26.2n 12.191u 26.2u)\nV1 in 0 325\n"
+      "S1 in sw g1 0 SX\nD1 sw in DX\nS2 sw 0 g2 0 SX\nD2 0 sw DX\nR1 in cin 0.118\nC1 cin mid 33.2u\nC2 mid 0 33.2u\nL1 sw mid 6.66m\n"
+      "L2 sa 0 7.48318m\nL3 0 sb 7.48318m\nK1 L1 L2 L3 0.98\nD3 sa f DX\nD4 sb f DX\nL4 f out 396u\nC3 out 0 5.89u\nR2 out 0 39.7\n"
+      ".model DX D(Ron=43.8m)\n.model SX SW(Ron=1.35m Roff=702meg Vt=0.5)\n"
+      "Va ps0 nn SIN(0 170 50)\nRa ps0 p0 15.5m\nVb ps1 nn SIN(0 170 50 0 0 -120)\nRb ps1 p1 15.5m\nVc ps2 nn SIN(0 170 50 0 0 -240)\n"
+      "Rc ps2 p2 15.5m\nD5 p0 dp DY\nD6 0 p0 DY\nD7 p1 dp DY\nD8 0 p1 DY\nD9 p2 dp DY\nD10 0 p2 DY\nL5 dp o2 177u\nC4 o2 0 297u\n"
+      "R4 o2 0 55.3\n.model DY D(Ron=2.11m Roff=1.31meg)\nR5 cin tie 7.914\nR6 ps0 tie 7.914\n.save v(mid)\n.tran 1u 2u\n.end\n";
+  for (const DeckRun& run : {run_text(text), run_text_segments(text)}) {
+    CAPTURE(run.messages, run.answer.message);
+    REQUIRE(run.answer.outcome == engine::Outcome::completed);
+    CHECK(starts_at_rest(run));
+    CHECK(run.rows[0][1] == Approx(162.5).epsilon(1e-9));
+  }
+}
+
 // S1 to S4 are open: v(a), and what hangs at it, leaks through 1e12 Ω. S1 and S2 carry the same current from 12 V to the load (68 Ω): v(a) is 6 V,
 // but for what D2 and D3 do, which block. The flying capacitor's other end may lie between D4's 0 V and D3's v(sw) = 0 V.
 TEST_CASE("a flying-capacitor converter starts at rest in any order of its cards", "[regression]") {

@@ -10,6 +10,7 @@
 #include "engine/exact/static_solution.hpp"
 #include "engine/exact/tolerances.hpp"
 #include "engine/remarks.hpp"
+#include "engine/sparse/start.hpp"
 #include "engine/switch_rounds.hpp"
 #include "model/conditions.hpp"
 
@@ -293,13 +294,39 @@ std::optional<Forced> forced_islands(const ExactModel& model, RunStart& start) {
   return forced;
 }
 
+/// Its rest by another way, where rounding leaves the one that was found few digits, in energy coordinates: what both agree in to that rounding is right to more digits there. `on`: of all switches.
+struct SharperRest {
+  Vector xi;
+  std::vector<double> signals;
+};
+std::optional<SharperRest> sharper_rest(const IslandModel& island, const StaticSolution& solution, const std::vector<char>& on) {
+  if (!solution.unique || !(solution.doubt > tolerance::dc_doubt)) return std::nullopt;
+  model::Island at = island.island;
+  for (std::size_t i = 0; i < at.network.switches.size(); ++i)
+    at.network.switches[i].initially_on = on[static_cast<std::size_t>(at.switch_number[i])] != 0;
+  const auto rest = sparse::rest_of(at.network);
+  if (!rest) return std::nullopt;
+  for (std::size_t i = 0; i < rest->voltages.size(); ++i) at.network.capacitors[i].initial_voltage = rest->voltages[i];
+  for (std::size_t i = 0; i < rest->currents.size(); ++i) at.network.inductors[i].initial_current = rest->currents[i];
+  SharperRest sharper{island.extraction.equations.reduce * model::initial_state(at), rest->signals};
+  const Vector found = solution.x.head(sharper.xi.size());
+  const double most = std::min(tolerance::dc_doubts * solution.doubt, tolerance::dc_largest_doubt) * found.cwiseAbs().maxCoeff();
+  if (!((sharper.xi - found).cwiseAbs().maxCoeff() <= most)) return std::nullopt;
+  return sharper;
+}
+
 /// The island's state, and its signals before t = 0 where `has_before`. `system`: the one that was solved, or as it is forced.
 void take_solution(const IslandModel& island, const model::System& system, const StaticSolution& solution, bool has_before,
                    RunStart& start) {
   const model::System& s = island.extraction.system;
   if (!solution.unique) start.answer.remarks.push_back(operating_point_not_unique(island_elements(s)));
-  start.xi.push_back(&system == &s ? Vector(solution.x.head(s.n)) : energy_from(island, system, solution));
+  const auto sharper = &system == &s ? sharper_rest(island, solution, start.on) : std::nullopt;
+  start.xi.push_back(&system != &s ? energy_from(island, system, solution) : sharper ? sharper->xi : Vector(solution.x.head(s.n)));
   if (!has_before) return;
+  if (sharper) {
+    start.signals.push_back(sharper->signals);
+    return;
+  }
   std::vector<double>& values = start.signals.emplace_back();
   for (std::size_t k = 0; k < s.outputs.size(); ++k) {
     const model::OutputRow& row = system.outputs[k];

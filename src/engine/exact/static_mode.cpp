@@ -18,7 +18,8 @@ using linalg::WideMatrix;
 using linalg::WideVector;
 
 constexpr double first_epsilon = 1e-3, last_epsilon = 1e-17, epsilon_step = 1e-3;  ///< in units of `rate`
-constexpr double input_share = 1e-8;                                               ///< δ/ε
+constexpr double doubt_epsilon = 1e-9;  ///< likewise: what holds states so little hides no rounding
+constexpr double input_share = 1e-8;    ///< δ/ε
 constexpr int most_corrections = 20, most_static_rounds = 8;
 constexpr Wide rounding = linalg::wide_clean_tolerance;  ///< of an entry of A, B, C: of the largest of what it is a sum of
 constexpr Wide stagnation = 0.5L;                        ///< of two steps, one behind the other
@@ -83,6 +84,10 @@ class ModeEquations {
   }
 
   [[nodiscard]] Wide largest_state(const WideVector& v) const { return n_ > 0 ? v.head(n_).cwiseAbs().maxCoeff() : 0; }
+  /// Of a step in ξ.
+  [[nodiscard]] double share_of_states(const WideVector& step, const WideVector& v) const {
+    return largest_state(v) > 0 ? static_cast<double>(largest_state(step) / largest_state(v)) : 0.0;
+  }
   /// What ξ might be: a capacitor takes the voltage of its port.
   [[nodiscard]] Wide scale_of_states(const WideVector& v) const {
     return std::max(largest_state(v), largest_input(v) * unit_ / slow_unit_);
@@ -171,7 +176,9 @@ StaticModeSolution solve_static_mode(const model::System& system, const Vector& 
     const WideElimination held = equations.held(epsilon);
     result.exists = settles(equations, held, x0.cast<Wide>(), system.passive, v);
     if (!v.allFinite()) return result;
-    if (result.exists) result.unique = system.n == 0 || !leaves_states_open(equations, held);
+    if (!result.exists) continue;
+    result.unique = system.n == 0 || !leaves_states_open(equations, held);
+    if (v.size() > 0) result.doubt = equations.share_of_states(equations.held(doubt_epsilon).solve(equations.rounding_of(v)), v);
   }
   result.xi = v.head(system.n);
   for (std::size_t i = 0; i < active.size(); ++i)

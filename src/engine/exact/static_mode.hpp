@@ -16,6 +16,7 @@ struct StaticModeSolution {
   bool exists = false;
   bool unique = true;  ///< ξ
   linalg::WideVector xi, u;
+  double doubt = 0.0;  ///< of ξ, of its largest: what rounding of A, B and C makes of it
 };
 
 /// `rate`: of the slowest states.

@@ -35,6 +35,7 @@ class StaticProblem {
     double distance = 0.0;
     bool kernel = false;      ///< its mode leaves ξ open
     bool degenerate = false;  ///< of some diode neither u nor y is positive
+    double doubt = 0.0;
   };
 
   /// The first that no other can be nearer to x₀ than, else the nearest found.
@@ -72,7 +73,7 @@ class StaticProblem {
   [[nodiscard]] std::optional<Found> solution_of(const std::vector<int>& active, const Vector& x0) const {
     StaticModeSolution mode = solve_static_mode(system_, zeta_, active, x0, ports_.slowest_rate());
     if (!mode.exists) return std::nullopt;
-    Found found{std::move(mode.xi), std::move(mode.u), 0.0, !mode.unique, false};
+    Found found{std::move(mode.xi), std::move(mode.u), 0.0, !mode.unique, false, mode.doubt};
     found.distance = static_cast<double>((found.xi - x0.cast<Wide>()).norm());
     if (!signs_hold(active, found)) return std::nullopt;
     return found;
@@ -116,6 +117,7 @@ StaticSolution solve_static(const model::System& s, const Vector& zeta, const st
     return solution;
   }
   solution.unique = problem.is_unique(*found);
+  solution.doubt = found->doubt;
   solution.x.resize(s.size());
   solution.x << found->xi.cast<double>(), zeta;
   solution.u = found->u.cast<double>();

@@ -11,6 +11,7 @@ struct StaticSolution {
   enum class Status { solved, none };
   Status status = Status::solved;
   bool unique = true;  ///< false: some ξ is free; the least-energy one was taken
+  double doubt = 0.0;  ///< of ξ, of its largest, by rounding
   linalg::Vector x;    ///< (ξ, ζ)
   linalg::Vector u;
 };

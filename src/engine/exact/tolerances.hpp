@@ -184,6 +184,12 @@ inline constexpr double dc_same_distance = 1e-6;
 /// Of: the norm of a state.
 /// Why: two starts that end closer have found the same operating point.
 inline constexpr double dc_same_state = 1e-6;
+/// Of: the largest ξ.
+/// Why: an operating point that rounding leaves less than ten digits is sought by another way, too.
+inline constexpr double dc_doubt = 1e-10;
+/// Of: the rounding of an operating point, and: the largest ξ.
+/// Why: a bound of many sums is rarely as much too small; and what differs by more is another point.
+inline constexpr double dc_doubts = 1e2, dc_largest_doubt = 1e-3;
 /// Of: a wave, at its port.
 /// Why: parallel diodes and rings of closed switches share their current, series ones their voltage; nothing else changes by more.
 inline constexpr long double dc_wave_loss = 1e-12L;

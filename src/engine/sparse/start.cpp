@@ -57,21 +57,7 @@ class RestFinder {
     return false;
   }
 
-  /// Whether long steps from either side of the point that was found lead back to it. In a passive network, whose operating points are a convex set, they do only if it is the only one.
-  [[nodiscard]] bool is_unique() { return leads_back(beside) && leads_back(-beside); }
-
-  Position on;
-  std::vector<double> z;
-  std::string problem;  ///< empty: switches keep toggling
-  bool is_singular = false;
-  [[nodiscard]] std::vector<std::string> restless() const {
-    std::vector<std::string> names;
-    for (const std::size_t port : changed_) names.push_back(descriptor_.ports()[port].name);
-    return names;
-  }
-  [[nodiscard]] const std::vector<double>& w() const { return w_; }
-
- private:
+  /// With the switches as they are.
   bool find_rest() {
     std::vector<double> before;
     z.assign(static_cast<std::size_t>(descriptor_.size()), 0.0);
@@ -89,10 +75,38 @@ class RestFinder {
           z = before;
           return false;
         }
-        if (step > 0 && rests(before)) return true;
+        if (step > 0 && rests(before)) {
+          settle_slowest(size);
+          return true;
+        }
       }
     problem = no_rest;
     return false;
+  }
+
+  /// Whether long steps from either side of the point that was found lead back to it. In a passive network, whose operating points are a convex set, they do only if it is the only one.
+  [[nodiscard]] bool is_unique() { return leads_back(beside) && leads_back(-beside); }
+
+  Position on;
+  std::vector<double> z;
+  std::string problem;  ///< empty: switches keep toggling
+  bool is_singular = false;
+  [[nodiscard]] std::vector<std::string> restless() const {
+    std::vector<std::string> names;
+    for (const std::size_t port : changed_) names.push_back(descriptor_.ports()[port].name);
+    return names;
+  }
+  [[nodiscard]] const std::vector<double>& w() const { return w_; }
+
+ private:
+  /// What moves by less than the nine digits of a rest may have far to go by leaks.
+  void settle_slowest(double size) {
+    if (!(size < last_step)) return;
+    Position position = on;
+    std::vector<double> rest;
+    if (take_step(1.0 / (last_step * mean_time(descriptor_)), z, position, rest) != Solved::yes) return;
+    on = position;
+    z = std::move(rest);
   }
 
   /// Implicit Euler's, from `before` to `after`, in the position that fits it.
@@ -210,6 +224,19 @@ PartStart start_from_operating_point(const Network& network, const Descriptor& d
     start.states.push_back(state.value(point.z.data()) * (state.is_current ? descriptor.r0() / system.r0() : 1.0));
   for (const auto& signal : network.signals) start.signals.push_back(system.form(signal.form).value(point.z.data(), point.w().data()));
   return start;
+}
+
+std::optional<Rest> rest_of(const Network& network) {
+  const Descriptor descriptor(network);
+  RestFinder point(network, descriptor);
+  if (!point.find_rest()) return std::nullopt;
+  Rest rest;
+  for (const State& state : descriptor.states()) {
+    const double value = state.value(point.z.data());
+    state.is_current ? rest.currents.push_back(value / descriptor.r0()) : rest.voltages.push_back(value);
+  }
+  for (const auto& signal : network.signals) rest.signals.push_back(descriptor.form(signal.form).value(point.z.data(), point.w().data()));
+  return rest;
 }
 
 }  // namespace pwlsim::engine::sparse

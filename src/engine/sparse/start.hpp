@@ -1,6 +1,7 @@
 #pragma once
 /// The start of a run: values of the states and the position of the switches.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,5 +28,14 @@ struct PartStart {
 /// Sources at their value just before t = 0, complementarity satisfied, `.ic` values forced: implicit Euler steps of ever larger size from
 /// empty stores, until nothing changes. What is not determined (a loop without resistance, a floating capacitor) stays as empty as it can be.
 [[nodiscard]] PartStart start_from_operating_point(const model::Network& network, const Descriptor& descriptor);
+
+/// A DC operating point with the switches as they are `initially_on`.
+struct Rest {
+  std::vector<double> voltages, currents;  ///< of the network's capacitors and inductors, V and A
+  std::vector<double> signals;             ///< of the network
+};
+
+/// Of a part without `.ic`, by long steps of the network's own equations: a leak is a number of its own there, where rates of states are sums in which it may be rounding. Nothing where none is found.
+[[nodiscard]] std::optional<Rest> rest_of(const model::Network& network);
 
 }  // namespace pwlsim::engine::sparse
