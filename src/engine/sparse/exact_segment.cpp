@@ -103,12 +103,14 @@ bool ExactSegment::resolve() {
     const auto& points = space_.estimate(length_);
     estimate_ = largest_error(points);
     present_tolerance_ = tolerance_for(length_);
-    if (estimate_ <= present_tolerance_ * size_ || (space_.is_full() && estimate_ <= tolerance::converged_rounding * size_)) return true;
-    if (space_.is_full()) break;
+    if (estimate_ <= present_tolerance_ * size_) return true;
+    const bool is_at_end = space_.is_full() && !(estimate_ > tolerance::plain_rounding * size_ && space_.goes_on());
+    if (is_at_end && estimate_ <= std::min(best, tolerance::converged_rounding * size_)) return true;
+    if (is_at_end) break;
     no_better = estimate_ < best ? 0 : no_better + 1;
     if (no_better == 0) {
       best = estimate_;
-      best_at = m;
+      best_at = space_.dimension();
     }
     const int most = best <= tolerance::plain_rounding * size_ ? most_no_better : most_no_better_early;
     if (no_better >= most && best <= tolerance::converged_rounding * size_) break;

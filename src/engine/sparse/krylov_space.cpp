@@ -15,6 +15,7 @@ namespace {
 using linalg::Matrix;
 using linalg::Vector;
 
+constexpr double clear_direction = 1e3;  ///< of the rounding of T z: what is left of it has three digits
 constexpr double share_of_integral = 0.1, share_of_start = 1e-3;
 constexpr double most_growth = 1e3;  ///< of y over a segment: more is made of rounding
 /// Of what the motion begins with: terms, and what each is at most of the one before, but for the first, in which motions may cancel. What shrinks no further is rounding.
@@ -102,7 +103,7 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   shift_ = shift;
   on_ = on;
   dimension_ = 0;
-  full_ = false;
+  full_ = may_go_on_ = false;
   sound_ = true;
   is_assembled_ = false;
   h_matrix_.resize(1, 0);
@@ -237,7 +238,8 @@ void KrylovSpace::add_vector() {
   delta_[j] = rounding_of(right_, adds_nothing ? tolerance::little_direction : std::min(h, tolerance::little_direction));
   full_ = adds_nothing || !(h > delta_[j]);
   has_next_ = !full_;
-  if (full_) return;
+  may_go_on_ = full_ && h > std::max(tolerance::least_direction, clear_direction * delta_[j]);
+  if (full_ && !may_go_on_) return;
   note_lost(c, size, h);
   vectors_.col(j + 1) = (changes_.col(j) - vectors_.leftCols(j + 1) * c) / h;
   zetas_.col(j + 1) = (zeta_changes_.col(j) - zetas_.leftCols(j + 1) * c) / h;
@@ -254,6 +256,13 @@ void KrylovSpace::note_lost(const Vector& c, double size, double h) {
   lost_[j] = passed_on_.row(j).head(j + 1).cwiseAbs().sum();
 }
 
+bool KrylovSpace::goes_on() {
+  if (!std::exchange(may_go_on_, false)) return false;
+  full_ = false;
+  has_next_ = true;
+  return true;
+}
+
 void KrylovSpace::grow(int m) {
   const int before = dimension_;
   while (dimension_ < m && !full_) add_vector();
@@ -262,6 +271,7 @@ void KrylovSpace::grow(int m) {
 
 void KrylovSpace::shrink(int m) {
   has_next_ |= m < dimension_;
+  may_go_on_ = false;
   dimension_ = m;
   full_ = true;
   reduce();

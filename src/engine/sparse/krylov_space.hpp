@@ -54,6 +54,8 @@ class KrylovSpace {
   [[nodiscard]] bool is_refined() const { return is_refined_; }
   /// Takes the space to m vectors, or to where it is full.
   void grow(int m);
+  /// Where it is full, but the last solution has something more that is small and far above its rounding: grows again, beyond that. False: there is none.
+  bool goes_on();
   /// Back to m vectors, which is then all there is: what came after them was rounding.
   void shrink(int m);
 
@@ -200,6 +202,7 @@ class KrylovSpace {
   int dimension_ = 0;
   bool has_next_ = false;      ///< z_{m+1} is a vector
   bool is_assembled_ = false;  ///< the matrix is in `values_`
+  bool may_go_on_ = false;     ///< z_{m+1} is a vector, and small
   bool full_ = false, sound_ = true, begins_roughly_ = false, is_refined_ = true, refines_ = false;
   linalg::Matrix vectors_, changes_;     ///< Z and T Z (unknowns × columns)
   linalg::Matrix zetas_, zeta_changes_;  ///< the same of ζ

@@ -265,7 +265,7 @@ inline constexpr double most_weight_of_error = 1e3;
 /// Why: as `known_digits`: a polynomial has no more digits than the segment.
 inline constexpr double piece_resolution = 1e-10;
 /// Of: T z, for what is left of it beside the other vectors.
-/// Why: what is smaller is the rounding of T z.
+/// Why: what is smaller is mostly the rounding of T z; where it is far above that, it is taken if the estimate asks for it.
 inline constexpr double new_direction = 1e-10;
 /// Of: z, for the same.
 /// Why: five units of rounding.
