@@ -27,7 +27,7 @@ function(pwlsim_room name)
     add_library(pwlsim_${name} STATIC ${sources})
     target_include_directories(pwlsim_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src)
     target_link_libraries(pwlsim_${name} PUBLIC ${links} PRIVATE ${private_links})
-    pwlsim_compile_together(${name})
+    pwlsim_compile_together(pwlsim_${name} ${PWLSIM_FILES_TOGETHER} 3)  # generated files
     if(name IN_LIST PWLSIM_ROOMS_AS_WRITTEN)
       target_compile_options(pwlsim_${name} PRIVATE -O0)
     endif()

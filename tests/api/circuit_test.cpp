@@ -10,18 +10,14 @@
 #include <numbers>
 #include <thread>
 
+#include "api/rounding.hpp"
 #include "support/errors.hpp"
 #include "support/scratch.hpp"
 
 using namespace pwlsim;
 using Catch::Matchers::Contains;
 using pwlsim::test::id_of_error;
-
-namespace {
-
-constexpr double rounding = 1e-13;  ///< of a signal's largest value
-
-}  // namespace
+using pwlsim::test::rounding;
 
 TEST_CASE("api: numbers are taken over to the last bit", "[unit]") {
   const double third = 1.0 / 3.0;

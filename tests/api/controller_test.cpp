@@ -6,15 +6,15 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "api/rounding.hpp"
 #include "support/errors.hpp"
 
 using namespace pwlsim;
 using Catch::Matchers::Contains;
 using pwlsim::test::id_of_error;
+using pwlsim::test::rounding;
 
 namespace {
-
-constexpr double rounding = 1e-13;  ///< of a signal's largest value
 
 /// R = 1 kΩ from node a to C = 1 µF at b.
 Circuit low_pass() {

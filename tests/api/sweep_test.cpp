@@ -6,14 +6,14 @@
 #include <cmath>
 #include <map>
 
+#include "api/rounding.hpp"
 #include "support/errors.hpp"
 
 using namespace pwlsim;
 using pwlsim::test::id_of_error;
+using pwlsim::test::rounding;
 
 namespace {
-
-constexpr double rounding = 1e-13;
 
 /// 12 V behind r into R2: v = 12·R2/(r + R2).
 Circuit loaded() {

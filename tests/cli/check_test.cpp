@@ -10,7 +10,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-const std::string filter = "f\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b 1k\nC1 b 0 1u\n.save v(b) i(R1)\n.tran 20u 3m uic\n";
+const std::string pulsed_filter = "f\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m)\nR1 a b 1k\nC1 b 0 1u\n.save v(b) i(R1)\n.tran 20u 3m uic\n";
 // A lossless tank over 1,000 periods: at such a tolerance the sparse engine's phase is off by a radian.
 const std::string tank = "t\nC1 a 0 1u ic=1\nL1 a 0 1u ic=0\n.save v(a)\n.tran 50u 6.28m uic\n";
 
@@ -18,7 +18,7 @@ const std::string tank = "t\nC1 a 0 1u ic=1\nL1 a 0 1u ic=0\n.save v(a)\n.tran 5
 
 TEST_CASE("--check: the rows agree with the other engine, signal by signal", "[unit]") {
   const Scratch scratch;
-  scratch.write("f.net", filter);
+  scratch.write("f.net", pulsed_filter);
   const Finished finished = run_in(scratch, {"f.net", "--check", "--quiet"});
   CHECK(finished.status == 0);
   CHECK(finished.err.empty());
@@ -48,7 +48,7 @@ TEST_CASE("--check: a decay at the start, which one engine follows and the other
 
 TEST_CASE("--check --json: verdict, levels and signals", "[unit]") {
   const Scratch scratch;
-  scratch.write("f.net", filter);
+  scratch.write("f.net", pulsed_filter);
   const Finished finished = run_in(scratch, {"f.net", "--check", "--json", "--quiet"});
   const Json check = read_json(finished.out)["check"];
   CHECK(check["verdict"].string == "agrees");

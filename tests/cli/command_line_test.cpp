@@ -22,7 +22,7 @@ std::string information(const Words& arguments) {
 }
 
 /// All complaints, each on a line of its own.
-std::string refused(const Words& arguments) {
+std::string complaints(const Words& arguments) {
   const cli::CommandLine command = cli::read_command_line(arguments, "1.2.3");
   REQUIRE(std::holds_alternative<cli::Refused>(command));
   std::string text;
@@ -97,9 +97,10 @@ TEST_CASE("export takes a deck, a name for its own and a sharpness", "[unit]") {
   CHECK(exported({"export", "c.net", "-o", "c.cir"}).sharpness == 1e-3);
   CHECK(exported({"export", "-o", "-", "--smooth", "1e-4", "c.net"}).sharpness == 1e-4);
   CHECK(exported({"--quiet", "export", "c.net", "-o", "c.cir"}).quiet);
-  CHECK(refused({"export", "c.net"}).find("error[E-option-value]: pwlsim export needs a name for the deck it writes; try -o out.cir") == 0);
-  CHECK(refused({"export", "-o", "c.cir"}).find("error[E-no-deck]") == 0);
-  CHECK(refused({"export", "c.net", "-o", "c.cir", "--smooth", "no"})
+  CHECK(complaints({"export", "c.net"}).find("error[E-option-value]: pwlsim export needs a name for the deck it writes; try -o out.cir") ==
+        0);
+  CHECK(complaints({"export", "-o", "c.cir"}).find("error[E-no-deck]") == 0);
+  CHECK(complaints({"export", "c.net", "-o", "c.cir", "--smooth", "no"})
             .find("error[E-option-value]: `--smooth no` is not a number from 1e-09 to 1") == 0);
 }
 
@@ -152,9 +153,9 @@ TEST_CASE("compare takes a deck, a picture, a sharpness, a budget, --json and --
   CHECK(compared({"compare", "c.net"}).budget == 10.0);
   CHECK(compared({"compare", "c.net", "--budget", "2.5", "--verbose"}).budget == 2.5);
   CHECK(compared({"compare", "c.net", "--verbose"}).verbose);
-  CHECK(refused({"compare", "c.net", "--budget", "0"}).find("error[E-option-value]: `--budget 0` is not a time") == 0);
-  CHECK(refused({"compare"}).find("error[E-no-deck]") == 0);
-  CHECK(refused({"compare", "c.net", "--plot", "-"}).find("error[E-option-value]: `--plot -`") == 0);
+  CHECK(complaints({"compare", "c.net", "--budget", "0"}).find("error[E-option-value]: `--budget 0` is not a time") == 0);
+  CHECK(complaints({"compare"}).find("error[E-no-deck]") == 0);
+  CHECK(complaints({"compare", "c.net", "--plot", "-"}).find("error[E-option-value]: `--plot -`") == 0);
 }
 
 TEST_CASE("inspect takes a deck, a mode and --json", "[unit]") {
@@ -179,41 +180,42 @@ TEST_CASE("inspect takes a deck, a mode and --json", "[unit]") {
 
 TEST_CASE("a mode that cannot be read is refused before the deck is", "[golden]") {
   const std::string text = GENERATE("", "D1", "D1=", "=on", " =on", "D1=maybe", "D1=on,", "D1=on;D2=off");
-  CHECK(refused({"inspect", "c.net", "--mode", text}).find("error[E-option-value]: `--mode` ") == 0);
-  CHECK(refused({"inspect"}).find("error[E-no-deck]") == 0);
-  CHECK(refused({"inspect", "c.net", "--jsn"}) == "error[E-unknown-argument]: `--jsn` is not an option of pwlsim; try `--json`\n");
-  CHECK(refused({"inspect", "c.net", "--mode", "D1=on", "--mode", "D2=on"}).find("error[E-repeated-option]: `--mode` is given 2 times") ==
-        0);
+  CHECK(complaints({"inspect", "c.net", "--mode", text}).find("error[E-option-value]: `--mode` ") == 0);
+  CHECK(complaints({"inspect"}).find("error[E-no-deck]") == 0);
+  CHECK(complaints({"inspect", "c.net", "--jsn"}) == "error[E-unknown-argument]: `--jsn` is not an option of pwlsim; try `--json`\n");
+  CHECK(
+      complaints({"inspect", "c.net", "--mode", "D1=on", "--mode", "D2=on"}).find("error[E-repeated-option]: `--mode` is given 2 times") ==
+      0);
 }
 
 TEST_CASE("wrong command lines are refused with a cure", "[golden]") {
-  CHECK(refused({}) == "error[E-no-deck]: no deck is given; try pwlsim circuit.net, or pwlsim --help\n");
-  CHECK(refused({"a.net", "b.net"}).find("error[E-too-many-files]: one deck is run at a time") == 0);
-  CHECK(refused({"c.net", "--evnts"}) == "error[E-unknown-argument]: `--evnts` is not an option of pwlsim; try `--events`\n");
-  CHECK(refused({"c.net", "--zzz=1"}) == "error[E-unknown-argument]: `--zzz` is not an option of pwlsim; try pwlsim --help\n");
-  CHECK(refused({"c.net", "-o"}) == "error[E-option-value]: `--output` needs a value; try pwlsim --help\n");
-  CHECK(refused({"-o", "--events", "c.net"}).find("error[E-option-value]: `--output` needs a value") == 0);
-  CHECK(refused({"c.net", "-o", ""}).find("error[E-option-value]") == 0);
-  CHECK(refused({"c.net", "-o", "a", "-o", "b"}).find("error[E-repeated-option]: `--output` is given 2 times") == 0);
-  CHECK(refused({"c.net", "--engine", "warp"}).find("error[E-option-value]: `--engine warp` does not name an engine") == 0);
-  CHECK(refused({"c.net", "--format", "xml"}).find("error[E-option-value]: `--format xml` names no format") == 0);
-  CHECK(refused({"c.net", "--quiet=banana"}).find("error[E-option-value]") == 0);
-  CHECK(refused({"c.net", "--quiet", "--verbose"}).find("error[E-option-conflict]") == 0);
+  CHECK(complaints({}) == "error[E-no-deck]: no deck is given; try pwlsim circuit.net, or pwlsim --help\n");
+  CHECK(complaints({"a.net", "b.net"}).find("error[E-too-many-files]: one deck is run at a time") == 0);
+  CHECK(complaints({"c.net", "--evnts"}) == "error[E-unknown-argument]: `--evnts` is not an option of pwlsim; try `--events`\n");
+  CHECK(complaints({"c.net", "--zzz=1"}) == "error[E-unknown-argument]: `--zzz` is not an option of pwlsim; try pwlsim --help\n");
+  CHECK(complaints({"c.net", "-o"}) == "error[E-option-value]: `--output` needs a value; try pwlsim --help\n");
+  CHECK(complaints({"-o", "--events", "c.net"}).find("error[E-option-value]: `--output` needs a value") == 0);
+  CHECK(complaints({"c.net", "-o", ""}).find("error[E-option-value]") == 0);
+  CHECK(complaints({"c.net", "-o", "a", "-o", "b"}).find("error[E-repeated-option]: `--output` is given 2 times") == 0);
+  CHECK(complaints({"c.net", "--engine", "warp"}).find("error[E-option-value]: `--engine warp` does not name an engine") == 0);
+  CHECK(complaints({"c.net", "--format", "xml"}).find("error[E-option-value]: `--format xml` names no format") == 0);
+  CHECK(complaints({"c.net", "--quiet=banana"}).find("error[E-option-value]") == 0);
+  CHECK(complaints({"c.net", "--quiet", "--verbose"}).find("error[E-option-conflict]") == 0);
 }
 
 TEST_CASE("--reltol is a positive number", "[unit]") {
   const std::string text = GENERATE("0", "-1", "abc", "1e-4x", "inf", "nan", "1e999");
-  CHECK(refused({"c.net", "--reltol", text}).find("error[E-option-value]: `--reltol " + text) == 0);
+  CHECK(complaints({"c.net", "--reltol", text}).find("error[E-option-value]: `--reltol " + text) == 0);
 }
 
 TEST_CASE("rows and statistics do not go to one file", "[unit]") {
-  CHECK(refused({"c.net", "--stats", "c.csv"}).find("error[E-option-conflict]") == 0);
-  CHECK(refused({"c.net", "--stats", "./c.csv"}).find("error[E-option-conflict]") == 0);
-  CHECK(refused({"c.net", "-o", "-", "--stats", "-"}).find("error[E-option-conflict]") == 0);
+  CHECK(complaints({"c.net", "--stats", "c.csv"}).find("error[E-option-conflict]") == 0);
+  CHECK(complaints({"c.net", "--stats", "./c.csv"}).find("error[E-option-conflict]") == 0);
+  CHECK(complaints({"c.net", "-o", "-", "--stats", "-"}).find("error[E-option-conflict]") == 0);
 }
 
 TEST_CASE("all complaints come in one go", "[unit]") {
-  const std::string text = refused({"--engine", "warp", "--format", "xml", "--reltol", "x"});
+  const std::string text = complaints({"--engine", "warp", "--format", "xml", "--reltol", "x"});
   CHECK(std::count(text.begin(), text.end(), '\n') == 4);  // the deck is missing too
 }
 

@@ -16,7 +16,7 @@ using Names = std::vector<std::string>;
 
 namespace {
 
-const std::string rectifier =
+const std::string half_wave =
     "half wave\n"
     "V1 a 0 SIN(0 1 50)\n"
     "D1 a b D\n"
@@ -51,13 +51,13 @@ bool has_ngspice() {
   return false;
 }
 
-std::string netlist(const std::string& name) { return std::string(PWLSIM_SOURCE_DIR) + "/netlists/" + name + ".net"; }
+std::string netlist_path(const std::string& name) { return std::string(PWLSIM_SOURCE_DIR) + "/netlists/" + name + ".net"; }
 
 }  // namespace
 
 TEST_CASE("export writes the deck it is told to, and nothing else", "[unit]") {
   const Scratch scratch;
-  scratch.write("c.net", rectifier);
+  scratch.write("c.net", half_wave);
   const Finished finished = run_in(scratch, {"export", "c.net", "-o", "c.cir"});
   CHECK(finished.status == 0);
   CHECK(finished.out.empty());
@@ -80,7 +80,7 @@ TEST_CASE("export writes the deck it is told to, and nothing else", "[unit]") {
 
 TEST_CASE("export leaves nothing behind where the deck or the command line is wrong", "[unit]") {
   const Scratch scratch;
-  scratch.write("c.net", rectifier);
+  scratch.write("c.net", half_wave);
   scratch.write("bad.net", "t\nR1 a 0 1\nX1 a 0 nothing\n.tran 1 2\n");
   const Names words =
       GENERATE(Names{"export", "c.net"}, Names{"export", "-o", "c.cir"}, Names{"export", "c.net", "-o", "c.net"},
@@ -90,19 +90,19 @@ TEST_CASE("export leaves nothing behind where the deck or the command line is wr
   CHECK(finished.status == 2);
   CHECK_THAT(finished.err, Contains("error[E-"));
   CHECK(scratch.names() == Names{"bad.net", "c.net"});
-  CHECK(read_file(scratch / "c.net") == rectifier);
+  CHECK(read_file(scratch / "c.net") == half_wave);
 }
 
 TEST_CASE("export has status 3 where a file cannot be read or written", "[unit]") {
   const Scratch scratch;
-  scratch.write("c.net", rectifier);
+  scratch.write("c.net", half_wave);
   CHECK(run_in(scratch, {"export", "missing.net", "-o", "c.cir"}).status == 3);
   CHECK(run_in(scratch, {"export", "c.net", "-o", "no/folder/c.cir"}).status == 3);
 }
 
 TEST_CASE("compare without ngspice says so and is done", "[unit]") {
   const Scratch scratch;
-  scratch.write("c.net", rectifier);
+  scratch.write("c.net", half_wave);
   const Path path(scratch.path().string());
   const Finished text = run_beside_ngspice(scratch, {"compare", "c.net", "--plot", "c.svg"});
   CHECK(text.status == 0);
@@ -127,7 +127,7 @@ TEST_CASE("compare refuses a deck without waveforms, and a wrong one", "[unit]")
 TEST_CASE("a run that has no solution ends a comparison with status 1", "[unit]") {
   if (!has_ngspice()) return;
   const Scratch scratch;
-  const Finished finished = run_beside_ngspice(scratch, {"compare", netlist("paper/relay_wrong")});
+  const Finished finished = run_beside_ngspice(scratch, {"compare", netlist_path("paper/relay_wrong")});
   CHECK(finished.status == 1);
   CHECK_THAT(finished.err, Contains("error[E-not-unique]"));
 }
@@ -138,7 +138,7 @@ TEST_CASE("ngspice's own errors explain how far it is from the exact run", "[uni
                                     "flyback_ideal", "freewheel", "rlcd", "paper/saturation", "paper/optimal_control");
   INFO(name);
   const Scratch scratch;
-  const Finished finished = run_beside_ngspice(scratch, {"compare", netlist(name), "--json", "--quiet", "--budget", "60"});
+  const Finished finished = run_beside_ngspice(scratch, {"compare", netlist_path(name), "--json", "--quiet", "--budget", "60"});
   REQUIRE(finished.status == 0);
   const Json report = JsonReader(finished.out).read();
   REQUIRE(report["signals"].array.size() != 0);
@@ -155,7 +155,7 @@ TEST_CASE("ngspice's own errors explain how far it is from the exact run", "[uni
 TEST_CASE("an inelastic stop, which a smoothed diode turns into a spring, is not explained", "[unit]") {
   if (!has_ngspice()) return;
   const Scratch scratch;
-  const Finished finished = run_beside_ngspice(scratch, {"compare", netlist("carts"), "--verbose", "--budget", "60"});
+  const Finished finished = run_beside_ngspice(scratch, {"compare", netlist_path("carts"), "--verbose", "--budget", "60"});
   CHECK(finished.status == 0);
   CHECK_THAT(finished.out, Contains("carts.net: differs by ") && Contains("; ngspice ") && Contains("NOT explained"));
 }
@@ -163,7 +163,7 @@ TEST_CASE("an inelastic stop, which a smoothed diode turns into a spring, is not
 TEST_CASE("compare reports in words, with the levels and the switching times, and draws both waveforms", "[unit]") {
   if (!has_ngspice()) return;
   const Scratch scratch;
-  scratch.write("c.net", rectifier);
+  scratch.write("c.net", half_wave);
   const Finished finished = run_beside_ngspice(scratch, {"compare", "c.net", "--plot", "c.svg", "--verbose"});
   REQUIRE(finished.status == 0);
   CHECK_THAT(finished.out,
@@ -177,7 +177,7 @@ TEST_CASE("compare reports in words, with the levels and the switching times, an
 TEST_CASE("compare says in one line that both agree, and what they took", "[unit]") {
   if (!has_ngspice()) return;
   const Scratch scratch;
-  scratch.write("c.net", rectifier);
+  scratch.write("c.net", half_wave);
   const Finished finished = run_beside_ngspice(scratch, {"compare", "c.net"});
   REQUIRE(finished.status == 0);
   CHECK(std::count(finished.out.begin(), finished.out.end(), '\n') == 1);

@@ -11,7 +11,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 /// Half of 4 V at the operating point, of 2 V from t = 0 on.
-const std::string divider =
+const std::string dropping_divider =
     "divider\n"
     "V1 a 0 PULSE(4 2 0 0 0 1 2)\n"
     "R1 a b 1k\n"
@@ -24,7 +24,7 @@ const std::string divider =
 
 TEST_CASE("--json tells the file, the signals, the operating point and the statistics", "[unit]") {
   const Scratch scratch;
-  scratch.write("d.net", divider);
+  scratch.write("d.net", dropping_divider);
   const Finished finished = run_in(scratch, {"d.net", "--json", "--stats", "s.json", "--plot", "p.svg"});
   REQUIRE(finished.status == 0);
   const Json json = read_json(finished.out);
@@ -70,7 +70,7 @@ TEST_CASE("--json of a deck that is wrong holds its messages", "[unit]") {
 
 TEST_CASE("--json of a run that fails says how far it came", "[unit]") {
   const Scratch scratch;
-  scratch.write("d.net", divider);
+  scratch.write("d.net", dropping_divider);
   SECTION("for want of room") {
     const Finished finished = run_in(scratch, {"d.net", "--json"}, {.file_size = 30});
     CHECK(finished.status == 3);
@@ -88,7 +88,7 @@ TEST_CASE("--json of a run that fails says how far it came", "[unit]") {
 
 TEST_CASE("standard output holds one thing", "[golden]") {
   const Scratch scratch;
-  scratch.write("d.net", divider);
+  scratch.write("d.net", dropping_divider);
   const Finished rows = run_in(scratch, {"d.net", "--json", "-o", "-"});
   CHECK(rows.status == 2);
   CHECK(rows.err == "error[E-option-conflict]: the rows and `--json` would both go to standard output; try two files\n");

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <string>
 
+#include "cli/json_result.hpp"
 #include "cli/run_in.hpp"
 #include "support/json.hpp"
 
@@ -28,13 +29,6 @@ Told told_by_segments(const Scratch& scratch, const std::string& deck, const std
   INFO(finished.err);
   REQUIRE(finished.status == 0);
   return {read_json(finished.out), finished.err};
-}
-
-double measured(const Json& result, const std::string& name) {
-  for (const Json& m : result["measurements"].array)
-    if (m["name"].string == name) return m["value"].number;
-  FAIL("no measurement " << name);
-  return 0.0;
 }
 
 void has_multipliers(const Json& result, const std::vector<std::complex<double>>& expected, double tolerance) {

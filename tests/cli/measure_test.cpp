@@ -19,7 +19,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 /// 2 V over two equal resistors from 1 ms to 3 ms of 4 ms.
-const std::string divider =
+const std::string measured_divider =
     "divider\n"
     "V1 a 0 PULSE(0 2 1m 0 0 2m 10m)\n"
     "R1 a b 1k\n"
@@ -32,16 +32,16 @@ const std::string divider =
     ".meas tran top FIND v(a) WHEN v(b)=0.5 RISE=1\n"
     ".meas tran never WHEN v(b)=5\n"
     ".end\n";
-const std::string lines = "mean = 0.5\npower = 0.001\neta = 2\ntop = 2\nnever = failed\n";
+const std::string measured_lines = "mean = 0.5\npower = 0.001\neta = 2\ntop = 2\nnever = failed\n";
 
 }  // namespace
 
 TEST_CASE("measurements are lines name = value on standard output", "[unit]") {
   const Scratch scratch;
-  scratch.write("divider.net", divider);
+  scratch.write("divider.net", measured_divider);
   const Finished finished = run_in(scratch, {"divider.net"});
   CHECK(finished.status == 0);
-  CHECK(finished.out == lines);
+  CHECK(finished.out == measured_lines);
   CHECK_THAT(
       finished.err,
       Contains(
@@ -52,19 +52,19 @@ TEST_CASE("measurements are lines name = value on standard output", "[unit]") {
 
 TEST_CASE("measurements do not depend on the output step, nor on --events", "[unit]") {
   const Scratch scratch;
-  std::string coarse = divider;
+  std::string coarse = measured_divider;
   coarse.replace(coarse.find(".tran 1m"), 8, ".tran 3m");
   scratch.write("coarse.net", coarse);
-  CHECK(run_in(scratch, {"coarse.net", "--quiet"}).out == lines);
-  CHECK(run_in(scratch, {"coarse.net", "--quiet", "--events"}).out == lines);
+  CHECK(run_in(scratch, {"coarse.net", "--quiet"}).out == measured_lines);
+  CHECK(run_in(scratch, {"coarse.net", "--quiet", "--events"}).out == measured_lines);
 }
 
 TEST_CASE("with -o - measurements go to standard error, --quiet or not", "[unit]") {
   const Scratch scratch;
-  scratch.write("divider.net", divider);
+  scratch.write("divider.net", measured_divider);
   const Finished finished = run_in(scratch, {"divider.net", "-o", "-", "--quiet"});
   CHECK(finished.status == 0);
-  CHECK(finished.err == lines);
+  CHECK(finished.err == measured_lines);
   CHECK(finished.out == "time,v(b)\n0,0\n0.001,1\n0.002,1\n0.003,0\n0.004,0\n");
 }
 

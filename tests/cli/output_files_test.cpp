@@ -13,13 +13,13 @@ using Names = std::vector<std::string>;
 
 namespace {
 
-const std::string deck = "d\n.include part.inc\n.lib models.lib tt\nV1 a 0 SIN(0 1 50)\n.save v(a)\n.tran 1m 20m\n";
+const std::string deck_with_parts = "d\n.include part.inc\n.lib models.lib tt\nV1 a 0 SIN(0 1 50)\n.save v(a)\n.tran 1m 20m\n";
 const std::string part = "R1 a 0 1k\n";
 const std::string models = ".lib tt\nR2 a 0 1k\n.endl tt\n";
 
 struct Included : Scratch {
   Included() {
-    write("d.net", deck);
+    write("d.net", deck_with_parts);
     write("part.inc", part);
     write("models.lib", models);
   }

@@ -45,7 +45,7 @@ inline double end_of(const Json& data, std::size_t signal) {
 }
 
 /// The numbers of a signal's line of measurements, all digits: at A, at B, B − A, minimum, maximum, peak to peak, mean, RMS (those that there are).
-inline std::vector<double> measured(const std::string& page, const std::string& signal) {
+inline std::vector<double> figures_of(const std::string& page, const std::string& signal) {
   const std::string line = between(page, "<tr><td>" + signal + "</td>", "</tr>");
   std::vector<double> values;
   static const std::regex title("title=\"([^\"]*)\"");

@@ -22,7 +22,7 @@ namespace {
 
 /// v(a) is a triangle from −2 V to 2 V and back within 4 s; D1 (no drop, 1 Ω) and 9 Ω behind it carry v(a)/10 while it is above zero: from 1 s to 3 s.
 /// D2 breaks down beyond 1 V backwards: from 0 s to 0.5 s. Only v(a) is saved.
-const std::string rectifier = R"(Version 4
+const std::string drawn_rectifier = R"(Version 4
 SHEET 1 880 680
 WIRE 96 96 0 96
 WIRE 0 112 0 96
@@ -93,7 +93,7 @@ std::string drawn_json(const std::string& schematic) {
 }  // namespace
 
 TEST_CASE("the page has the signals of all that is drawn, whatever is saved, and rows have those saved", "[unit]") {
-  const Reported reported(rectifier);
+  const Reported reported(drawn_rectifier);
   CHECK(read_file(reported.scratch / "s.csv").substr(0, 10) == "time,V(a)\n");
   const Json data = data_of(reported.page());
   CHECK(data["saved"].number == 1.0);
@@ -145,7 +145,7 @@ TEST_CASE("a block's sheet has the signals of each place that calls it", "[unit]
 }
 
 TEST_CASE("symbols of all kinds and orientations are drawn to their pins, and texts stand upright", "[unit]") {
-  const Reported reported(rectifier);
+  const Reported reported(drawn_rectifier);
   std::string page = reported.page();
   const std::string key = "\"schematic\": ";
   const std::size_t begin = page.find(key) + key.size(), end = page.find(", \"ports\"", begin);
@@ -174,7 +174,7 @@ TEST_CASE("symbols of all kinds and orientations are drawn to their pins, and te
 }
 
 TEST_CASE("voltages and currents, arrows and conduction follow the cursor", "[unit]") {
-  const Reported reported(rectifier);
+  const Reported reported(drawn_rectifier);
   const Json seen = played(
       reported.scratch, "r.html",
       helpers +
@@ -202,7 +202,7 @@ TEST_CASE("voltages and currents, arrows and conduction follow the cursor", "[un
 }
 
 TEST_CASE("the pointer on a net or symbol makes other curves pale, a click adds its trace and removes it", "[unit]") {
-  const Reported reported(rectifier);
+  const Reported reported(drawn_rectifier);
   const Json seen =
       played(reported.scratch, "r.html",
              helpers +
@@ -226,7 +226,7 @@ TEST_CASE("the pointer on a net or symbol makes other curves pale, a click adds 
 }
 
 TEST_CASE("the schematic is saved as it stands", "[unit]") {
-  const Reported reported(rectifier);
+  const Reported reported(drawn_rectifier);
   const Json seen = played(reported.scratch, "r.html",
                            helpers +
                                "await at(0.375); const [name, text] = saved('schematic-svg'); seen.name = name;"
@@ -245,7 +245,7 @@ TEST_CASE("the schematic is saved as it stands", "[unit]") {
 TEST_CASE("the schematic can be read in both modes and fits a phone", "[unit]") {
   for (const Window window : {Window{1200, false}, Window{1200, true}, Window{390, false}}) {
     INFO(window.width << " pixels, dark: " << window.is_dark);
-    const Reported reported(rectifier);
+    const Reported reported(drawn_rectifier);
     const Json seen =
         played(reported.scratch, "r.html",
                helpers +
@@ -282,7 +282,7 @@ TEST_CASE("a schematic with more signals than a page holds says so", "[unit]") {
 }
 
 TEST_CASE("where a long run has only bins, the schematic says that it shows means", "[unit]") {
-  std::string text = rectifier;
+  std::string text = drawn_rectifier;
   const std::string source = "PWL(0 -2 2 2 4 -2)";
   text.replace(text.find(source), source.size(), "SIN(0 2 2k)");
   const Reported reported(text);

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "cli/many_rows.hpp"
 #include "cli/run_in.hpp"
 #include "waveform/png.hpp"
 
@@ -24,7 +25,6 @@ const std::string rectifier =
     ".model DI D\n"
     ".tran 0.1m 40m\n"
     ".save v(b) i(D1)\n";
-const std::string many_rows = "many rows\nV1 a 0 SIN(0 1 50)\nD1 a b DI\nR1 b 0 1k\n.model DI D\n.tran 1n 0.9\n.end\n";
 
 std::size_t count(const std::string& text, const std::string& what) {
   std::size_t number = 0;
@@ -41,8 +41,8 @@ TEST_CASE("--plot draws the signals in panels by unit, events and modes below", 
   CHECK(scratch.names() == Names{"r.csv", "r.net", "r.svg"});
   const std::string picture = read_file(scratch / "r.svg");
   CHECK_THAT(picture, Catch::Matchers::StartsWith("<svg ") && Catch::Matchers::EndsWith("</svg>\n"));
-  CHECK_THAT(picture, Contains("rectifier") && Contains(">v(b)<") && Contains(">i(D1)<") && Contains(">switching<") &&
-                          Contains(">D1<") && Contains("time (ms)"));
+  CHECK_THAT(picture, Contains("rectifier") && Contains(">v(b)<") && Contains(">i(D1)<") && Contains(">switching<") && Contains(">D1<") &&
+                          Contains("time (ms)"));
   CHECK(count(picture, "<polyline") == 2);
   // The diode conducts in the two positive half periods of 10 ms, 200 of 800 units each.
   CHECK_THAT(picture, Contains("<rect x=\"110\"") && Contains("<rect x=\"510\""));
@@ -73,7 +73,8 @@ TEST_CASE("a picture draws the solution between the rows", "[unit]") {
   for (std::string point; points >> point;) heights.push_back(std::stod(point.substr(point.find(',') + 1)));
   const auto [top, bottom] = std::minmax_element(heights.begin(), heights.end());
   int turns = 0;  // through the middle
-  for (std::size_t k = 1; k < heights.size(); ++k) turns += (heights[k] > 0.5 * (*top + *bottom)) != (heights[k - 1] > 0.5 * (*top + *bottom));
+  for (std::size_t k = 1; k < heights.size(); ++k)
+    turns += (heights[k] > 0.5 * (*top + *bottom)) != (heights[k - 1] > 0.5 * (*top + *bottom));
   constexpr double most_of_a_panel = 80.0;
   CHECK(*bottom - *top > most_of_a_panel);
   CHECK(turns >= 19);  // ten periods
@@ -89,7 +90,7 @@ TEST_CASE("the sparse engine's runs are drawn too", "[unit]") {
 
 TEST_CASE("a run that is interrupted draws what it has", "[unit]") {
   const Scratch scratch;
-  scratch.write("many.net", many_rows);
+  scratch.write("many.net", many_rectified_rows);
   Spawned program({"many.net", "--plot", "p.svg"}, {.folder = scratch.path().string()});
   REQUIRE(wait_until(30, [&] { return scratch.holds("many.csv.partial"); }));
   pause(300);

@@ -11,6 +11,7 @@
 #include <regex>
 #include <sstream>
 
+#include "cli/many_rows.hpp"
 #include "cli/run_in.hpp"
 #include "support/json.hpp"
 
@@ -45,14 +46,6 @@ const std::string endless =
     "C1 b 0 1n\n"
     ".tran 1n 0.9 0 uic\n"
     ".save v(b)\n"
-    ".end\n";
-
-/// Rows without end and next to no events.
-const std::string many_rows =
-    "many rows\n"
-    "V1 a 0 SIN(0 1 50)\n"
-    "R1 a 0 1k\n"
-    ".tran 1n 0.9\n"
     ".end\n";
 
 std::string lines_of(const std::string& text, std::size_t count) {

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdlib>
 
+#include "cli/many_rows.hpp"
 #include "cli/run_in.hpp"
 #include "spice/ngspice.hpp"
 #include "waveform/raw_file.hpp"
@@ -16,7 +17,7 @@ using Names = std::vector<std::string>;
 namespace {
 
 /// Half of a 2 V step: every expected value is the divider's.
-const std::string divider =
+const std::string raw_divider =
     "divider\n"
     "V1 a 0 PULSE(0 2 0 0 0 1 2)\n"
     "R1 a b 1k\n"
@@ -24,7 +25,6 @@ const std::string divider =
     ".tran 0.1 0.3 uic\n"
     ".save v(b) v(a,b) i(R1)\n"
     ".end\n";
-const std::string many_rows = "many rows\nV1 a 0 SIN(0 1 50)\nR1 a 0 1k\n.tran 1n 0.9\n.end\n";
 
 waveform::RawFile read(const std::string& bytes) {
   const auto raw = waveform::read_raw(bytes);
@@ -41,7 +41,7 @@ std::string points_line(const std::string& bytes) {
 
 TEST_CASE("--format raw gives circuit.raw with the rows of the CSV", "[unit]") {
   const Scratch scratch;
-  scratch.write("divider.net", divider);
+  scratch.write("divider.net", raw_divider);
   REQUIRE(run_in(scratch, {"divider.net", "--format", "raw"}).status == 0);
   CHECK(scratch.names() == Names{"divider.net", "divider.raw"});
   const std::string bytes = read_file(scratch / "divider.raw");
@@ -63,7 +63,7 @@ TEST_CASE("quantities of a raw system have no type in a raw file", "[unit]") {
 
 TEST_CASE("a raw file on standard output has the same bytes, with the number of points", "[unit]") {
   const Scratch scratch;
-  scratch.write("divider.net", divider);
+  scratch.write("divider.net", raw_divider);
   REQUIRE(run_in(scratch, {"divider.net", "--format", "raw", "--events"}).status == 0);
   const Finished finished = run_in(scratch, {"divider.net", "--format", "raw", "--events", "-o", "-"});
   REQUIRE(finished.status == 0);
@@ -77,7 +77,7 @@ TEST_CASE("ngspice loads a raw file with its names, its points and its values", 
     return;
   }
   const Scratch scratch;
-  scratch.write("divider.net", divider);
+  scratch.write("divider.net", raw_divider);
   REQUIRE(run_in(scratch, {"divider.net", "--format", "raw"}).status == 0);
   scratch.write(
       "load.cir",
@@ -126,7 +126,7 @@ TEST_CASE("a raw file that finds no room has status 3; the partial file can be r
 
 TEST_CASE("a full device has status 3 for a raw file too", "[unit]") {
   const Scratch scratch;
-  scratch.write("divider.net", divider);
+  scratch.write("divider.net", raw_divider);
   CHECK(run_in(scratch, {"divider.net", "--format", "raw", "-o", "/dev/full"}).status == 3);
   CHECK(scratch.names() == Names{"divider.net"});
 }

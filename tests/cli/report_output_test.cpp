@@ -6,6 +6,7 @@
 #include <cmath>
 #include <csignal>
 
+#include "cli/many_rows.hpp"
 #include "cli/page.hpp"
 #include "cli/run_in.hpp"
 #include "waveform/svg_plot.hpp"
@@ -17,7 +18,7 @@ using Names = std::vector<std::string>;
 namespace {
 
 /// v(a) is a triangle from 0 to 2 V and back within 2 s; i(R1) a thousandth of it; D2 conducts while v(a) is above 1 V.
-const std::string triangle =
+const std::string marked_up_triangle =
     "triangle </script><b>\n"
     "V1 a 0 PWL(0 0 1 2 2 0)\n"
     "R1 a 0 1k\n"
@@ -27,13 +28,12 @@ const std::string triangle =
     ".save v(a) i(R1) i(D2)\n"
     "D2 b d DI\n"
     "V3 d 0 1\n";
-const std::string many_rows = "many rows\nV1 a 0 SIN(0 1 50)\nD1 a b DI\nR1 b 0 1k\n.model DI D\n.tran 1n 0.9\n.end\n";
 
 }  // namespace
 
 TEST_CASE("a report is one page that asks nothing of any network", "[unit]") {
   const Scratch scratch;
-  scratch.write("t.net", triangle);
+  scratch.write("t.net", marked_up_triangle);
   REQUIRE(run_in(scratch, {"t.net", "--report", "r.html"}).status == 0);
   CHECK(scratch.names() == Names{"r.html", "t.csv", "t.net"});
   const std::string page = read_file(scratch / "r.html");
@@ -46,7 +46,7 @@ TEST_CASE("a report is one page that asks nothing of any network", "[unit]") {
 
 TEST_CASE("a report holds the solution, the events, the modes and the run itself", "[unit]") {
   const Scratch scratch;
-  scratch.write("t.net", triangle);
+  scratch.write("t.net", marked_up_triangle);
   REQUIRE(run_in(scratch, {"t.net", "--report", "r.html"}).status == 0);
   const Json data = data_of(read_file(scratch / "r.html"));
   REQUIRE(data["signals"].array.size() == 3);
@@ -67,7 +67,7 @@ TEST_CASE("a report holds the solution, the events, the modes and the run itself
 
 TEST_CASE("Chromium draws the waveforms and measures between the cursors", "[unit]") {
   const Scratch scratch;
-  scratch.write("t.net", triangle);
+  scratch.write("t.net", marked_up_triangle);
   REQUIRE(run_in(scratch, {"t.net", "--report", "r.html"}).status == 0);
   const std::string page = without_titles(shown(scratch, "r.html", "#A=0.5&B=1"));
   if (page.empty()) return;
@@ -125,11 +125,11 @@ TEST_CASE("statistics of the page are those of .meas, whatever the rows are, bet
   };
   const std::string whole = shown(scratch, "r.html");
   if (whole.empty()) return;
-  const auto v = measured(whole, "v(out)"), i = measured(whole, "i(L1)");
+  const auto v = figures_of(whole, "v(out)"), i = figures_of(whole, "i(L1)");
   check_whole_run(v, i, same);
   same(v[0], "vmin");
   const std::string window = shown(scratch, "r.html", "#A=300e-6&B=1.2345e-3");
-  const auto vw = measured(window, "v(out)"), iw = measured(window, "i(L1)");
+  const auto vw = figures_of(window, "v(out)"), iw = figures_of(window, "i(L1)");
   REQUIRE(vw.size() == 8);
   same(vw[3], "wmin");
   same(vw[4], "wmax");
@@ -152,13 +152,13 @@ TEST_CASE("a run of a hundred thousand events is a page of less than 5 MB, with 
   const std::string page = shown(scratch, "r.html");
   if (page.empty()) return;
   CHECK_THAT(page, Contains("data-drawn=\"2\""));
-  const auto v = measured(page, "v(out)"), i = measured(page, "i(L1)");
+  const auto v = figures_of(page, "v(out)"), i = figures_of(page, "i(L1)");
   check_whole_run(v, i, [&](double value, const std::string& name) { CHECK(value == Approx(measurement(data, name)).epsilon(1e-9)); });
 }
 
 TEST_CASE("an address may ask for expressions of traces, and for some of the traces", "[unit]") {
   const Scratch scratch;
-  scratch.write("t.net", triangle);
+  scratch.write("t.net", marked_up_triangle);
   REQUIRE(run_in(scratch, {"t.net", "--report", "r.html"}).status == 0);
   const std::string page = shown(
       scratch, "r.html", "#from=0&to=1&expression=v(a)*i(R1)%2B2*v(a)*i(D2)&expression=v(a)+*&traces=v(a)*i(R1)%2B2*v(a)*i(D2);i(D2)");
@@ -167,7 +167,7 @@ TEST_CASE("an address may ask for expressions of traces, and for some of the tra
   CHECK_THAT(page, Contains("data-plots=\"2\"") && Contains("2 of 4"));
   CHECK_THAT(page, !Contains("<tr><td>v(a)</td>"));
   // 0 to 1 s: v = 2t, i(R1) = 2t/1000, i(D2) = 2t - 1 from 0.5 s on: ∫ 4t²/1000 dt + ∫ 4t(2t - 1) dt = 4/3000 + 8/3·7/8 - 2·3/4.
-  const auto power = measured(page, "v(a)*i(R1)+2*v(a)*i(D2)");
+  const auto power = figures_of(page, "v(a)*i(R1)+2*v(a)*i(D2)");
   REQUIRE(power.size() == 5);
   CHECK(power[3] == Approx(4.0 / 3000.0 + 7.0 / 3.0 - 1.5).epsilon(1e-9));
   CHECK(power[1] == Approx(4.0 / 1000.0 + 4.0).epsilon(1e-9));
@@ -265,7 +265,7 @@ TEST_CASE("pictures and reports of a sweep show when diodes and switches of each
 
 TEST_CASE("a view in the address is what the page shows", "[unit]") {
   const Scratch scratch;
-  scratch.write("t.net", triangle);
+  scratch.write("t.net", marked_up_triangle);
   REQUIRE(run_in(scratch, {"t.net", "--report", "r.html"}).status == 0);
   const std::string page = without_titles(shown(scratch, "r.html", "#from=1.5&to=2"));
   if (page.empty()) return;
@@ -283,7 +283,7 @@ TEST_CASE("a report without .tran shows the operating point", "[unit]") {
 
 TEST_CASE("a report of a run that fails or is interrupted holds the rows up to then and says why", "[unit]") {
   const Scratch scratch;
-  scratch.write("many.net", many_rows);
+  scratch.write("many.net", many_rectified_rows);
   Spawned program({"many.net", "--report", "r.html", "--plot", "p.svg", "--format", "raw"}, {.folder = scratch.path().string()});
   REQUIRE(wait_until(30, [&] { return scratch.holds("many.raw.partial"); }));
   pause(500);
@@ -298,7 +298,7 @@ TEST_CASE("a report of a run that fails or is interrupted holds the rows up to t
 
 TEST_CASE("a report that finds no room has status 3, and an older one stays", "[unit]") {
   const Scratch scratch;
-  scratch.write("t.net", triangle);
+  scratch.write("t.net", marked_up_triangle);
   scratch.write("r.html", "old\n");
   const Finished finished = run_in(scratch, {"t.net", "--report", "r.html"}, {.file_size = 50'000});
   CHECK(finished.status == 3);

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "cli/json_result.hpp"
 #include "cli/run_in.hpp"
 #include "support/json.hpp"
 
@@ -18,27 +19,10 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-Json result_of(const Scratch& scratch, const std::string& deck, const std::vector<std::string>& more = {}) {
-  scratch.write("deck.net", deck);
-  std::vector<std::string> arguments{"deck.net", "--json"};
-  arguments.insert(arguments.end(), more.begin(), more.end());
-  const Finished finished = run_in(scratch, arguments);
-  INFO(finished.err);
-  REQUIRE(finished.status == 0);
-  return read_json(finished.out);
-}
-
 /// All that stands between each `first` and the end of its line.
 std::string without(std::string deck, const std::string& first) {
   for (std::size_t at = deck.find(first); at != std::string::npos; at = deck.find(first)) deck.erase(at, deck.find('\n', at) - at);
   return deck;
-}
-
-double measured(const Json& result, const std::string& name) {
-  for (const Json& m : result["measurements"].array)
-    if (m["name"].string == name) return m["value"].number;
-  FAIL("no measurement " << name);
-  return 0.0;
 }
 
 /// As validation/large/circuits.py has it, with ideal diodes.

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "cli/json_result.hpp"
 #include "cli/run_in.hpp"
 #include "support/json.hpp"
 
@@ -18,13 +19,6 @@ namespace {
 constexpr double two_pi = 2.0 * M_PI;
 const std::string pulsed_rc = "rc\nV1 a 0 PULSE(0 1 0 0 0 0.5m 1m) AC 1\nR1 a b 1k\nC1 b 0 1u\n.save v(b)\n";
 constexpr Complex j{0.0, 1.0};
-
-Json result_of(const Scratch& scratch, const std::string& deck) {
-  scratch.write("deck.net", deck);
-  const Finished finished = run_in(scratch, {"deck.net", "--json"});
-  REQUIRE(finished.status == 0);
-  return read_json(finished.out);
-}
 
 Complex response(const Json& result, std::size_t frequency, const std::string& signal) {
   for (const Json& s : result["ac"]["signals"].array)

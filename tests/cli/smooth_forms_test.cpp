@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "cli/run_in.hpp"
 
@@ -10,7 +11,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 
 Finished ran(const std::string& deck) {
   const Scratch scratch;

@@ -12,7 +12,7 @@ using Names = std::vector<std::string>;
 namespace {
 
 /// A rectifier with R into C, and its swept values with a card `steps`.
-std::string rectifier(const std::string& steps) {
+std::string swept_rectifier(const std::string& steps) {
   return "rectifier\nV1 a 0 SIN(0 10 50)\nD1 a b DI\nRS b out {R}\nC1 out 0 {C}\nR1 out 0 100\n.model DI D\n" + steps +
          ".tran 1m 40m uic\n.save v(out) i(D1)\n";
 }
@@ -27,7 +27,7 @@ const std::string failing =
 TEST_CASE("--split writes each run as the deck with its values does by itself, to the last byte", "[unit]") {
   const std::string format = GENERATE("csv", "raw");
   const Scratch scratch;
-  scratch.write("r.net", rectifier(".step param R list 1 3\n.step param C list 100u 300u\n"));
+  scratch.write("r.net", swept_rectifier(".step param R list 1 3\n.step param C list 100u 300u\n"));
   const Finished finished = run_in(scratch, {"r.net", "--split", "--events", "--format", format, "-o", "out." + format});
   CHECK(finished.status == 0);
   CHECK_THAT(finished.err, Contains("wrote out.runs.csv and 4 files of runs: 4 runs, "));
@@ -36,7 +36,7 @@ TEST_CASE("--split writes each run as the deck with its values does by itself, t
   int run = 0;
   for (const std::string c : {"1e-04", "3e-04"})
     for (const std::string r : {"1", "3"}) {
-      scratch.write("one.net", rectifier(".param R=" + r + " C=" + c + "\n"));
+      scratch.write("one.net", swept_rectifier(".param R=" + r + " C=" + c + "\n"));
       REQUIRE(run_in(scratch, {"one.net", "--events", "--format", format, "--json", "-o", "one"}).status == 0);
       const std::string name = "out." + std::to_string(++run) + "." + format;
       CHECK(read_file(scratch / name) == read_file(scratch / "one"));

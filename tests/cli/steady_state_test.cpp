@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "cli/json_result.hpp"
 #include "cli/run_in.hpp"
 #include "support/json.hpp"
 
@@ -24,13 +25,6 @@ double state(const Json& pss, const std::string& name) {
   for (const Json& s : pss["states"].array)
     if (s["name"].string == name) return s["value"].number;
   FAIL("no state " << name);
-  return 0.0;
-}
-
-double measured(const Json& result, const std::string& name) {
-  for (const Json& m : result["measurements"].array)
-    if (m["name"].string == name) return m["value"].number;
-  FAIL("no measurement " << name);
   return 0.0;
 }
 

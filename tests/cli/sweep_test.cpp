@@ -18,7 +18,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 /// Dividers of 1 V: v(b) = R/(R + 1k) at once.
-std::string divider(const std::string& steps) {
+std::string swept_divider(const std::string& steps) {
   return "divider\n"
          "V1 a 0 1\n"
          "R1 a b 1k\n"
@@ -33,7 +33,7 @@ std::string divider(const std::string& steps) {
 
 TEST_CASE("one CSV: the stepped values, then time, runs in order; measurements as a table", "[unit]") {
   const Scratch scratch;
-  scratch.write("d.net", divider(".step param R list 1k 3k\n"));
+  scratch.write("d.net", swept_divider(".step param R list 1k 3k\n"));
   const Finished finished = run_in(scratch, {"d.net"});
   CHECK(finished.status == 0);
   CHECK(read_file(scratch / "d.csv") == "R,time,v(b)\n1000,0,0.5\n1000,0.001,0.5\n3000,0,0.75\n3000,0.001,0.75\n");
@@ -46,7 +46,7 @@ TEST_CASE("one CSV: the stepped values, then time, runs in order; measurements a
 TEST_CASE("sweeps: linear, by decades and octaves, lists, sources; the first of several changes fastest", "[unit]") {
   const Scratch scratch;
   const auto table = [&](const std::string& steps) {
-    scratch.write("d.net", divider(steps));
+    scratch.write("d.net", swept_divider(steps));
     return run_in(scratch, {"d.net", "--quiet"}).out;
   };
   CHECK(table(".step param R 1k 3k 1k\n.param R=5\n") == "R,mean\n1000,0.5\n2000,0.6666666666666666\n3000,0.75\n");
@@ -122,7 +122,7 @@ TEST_CASE("a run that fails is told with its values, recorded, and stops no othe
 TEST_CASE("random numbers depend on the seed and the run alone", "[unit]") {
   const Scratch scratch;
   const auto table = [&](const std::string& seed) {
-    scratch.write("m.net", divider(".param R=mc(1k,0.1)\n.step param run 1 200 1\n" + seed));
+    scratch.write("m.net", swept_divider(".param R=mc(1k,0.1)\n.step param run 1 200 1\n" + seed));
     return run_in(scratch, {"m.net", "--quiet"}).out;
   };
   const std::string first = table("");
@@ -133,7 +133,7 @@ TEST_CASE("random numbers depend on the seed and the run alone", "[unit]") {
   CHECK(table(".options seed={1+1}\n") == table(".options seed=2\n"));
 
   const auto steps = [&](const std::string& seed) {
-    scratch.write("m.net", divider(".step param R list {mc(1k,0.1)} {mc(1k,0.1)}\n" + seed));
+    scratch.write("m.net", swept_divider(".step param R list {mc(1k,0.1)} {mc(1k,0.1)}\n" + seed));
     return run_in(scratch, {"m.net", "--quiet"}).out;
   };
   CHECK(steps(".options seed=1\n") == steps(".options seed=1\n"));
@@ -177,7 +177,7 @@ TEST_CASE("Monte Carlo: means and spreads of 20,000 numbers", "[unit]") {
 
 TEST_CASE("a raw file of a sweep holds the runs one after the other, as LTspice writes them, with the stepped values", "[unit]") {
   const Scratch scratch;
-  scratch.write("d.net", divider(".step param R list 1k 3k\n"));
+  scratch.write("d.net", swept_divider(".step param R list 1k 3k\n"));
   REQUIRE(run_in(scratch, {"d.net", "--format", "raw"}).status == 0);
   CHECK(scratch.names() == std::vector<std::string>{"d.net", "d.raw"});
   const std::string bytes = read_file(scratch / "d.raw");
@@ -252,14 +252,14 @@ TEST_CASE("--plot of a sweep lays the runs over each other, a colour a run, and 
     for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++number;
     return number;
   };
-  scratch.write("d.net", divider(".step param R list 1k 3k\n.save i(R1)\n"));
+  scratch.write("d.net", swept_divider(".step param R list 1k 3k\n.save i(R1)\n"));
   REQUIRE(run_in(scratch, {"d.net", "--plot", "p.svg"}).status == 0);
   const std::string picture = read_file(scratch / "p.svg");
   CHECK(count(picture, "<polyline") == 4);
   CHECK_THAT(picture, Contains(">R=1000<") && Contains(">R=3000<") && Contains(">v(b)<") && Contains(">i(R1)<") && Contains(">divider<"));
   for (const double share : {0.0, 1.0}) CHECK(count(picture, "stroke=\"" + pwlsim::waveform::ramp_colour(share) + "\"") == 3);
 
-  scratch.write("m.net", divider(".step param R 1 100 1\n"));
+  scratch.write("m.net", swept_divider(".step param R 1 100 1\n"));
   REQUIRE(run_in(scratch, {"m.net", "--plot", "m.svg"}).status == 0);
   const std::string many = read_file(scratch / "m.svg");
   CHECK(count(many, "<polyline") == 12);
@@ -268,7 +268,7 @@ TEST_CASE("--plot of a sweep lays the runs over each other, a colour a run, and 
 
 TEST_CASE("a sweep says where the deck does not run as written, and with --verbose where the time went", "[unit]") {
   const Scratch scratch;
-  scratch.write("d.net", divider(".step param R list 1k 3k\n.nodeset v(b)=1\n"));
+  scratch.write("d.net", swept_divider(".step param R list 1k 3k\n.nodeset v(b)=1\n"));
   CHECK_THAT(run_in(scratch, {"d.net"}).err, Contains("not as written: 1 ignored (--verbose lists them)"));
   CHECK_THAT(run_in(scratch, {"d.net", "--verbose"}).err, Contains("engine exact:") && Contains("\n  ignored"));
 }

@@ -19,7 +19,7 @@ constexpr double same = 1e-9;
 std::string tutorial(const std::string& name) { return std::string(PWLSIM_SOURCE_DIR "/docs/tutorial/") + name; }
 std::string reference(const std::string& name) { return std::string(PWLSIM_SOURCE_DIR "/docs/reference/") + name; }
 
-std::vector<std::string> lines(const std::string& text) {
+std::vector<std::string> lines_of_text(const std::string& text) {
   std::vector<std::string> result;
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) result.push_back(line);
@@ -29,7 +29,7 @@ std::vector<std::string> lines(const std::string& text) {
 /// name = value, a line each.
 std::map<std::string, double> results(const std::string& text) {
   std::map<std::string, double> found;
-  for (const auto& line : lines(text))
+  for (const auto& line : lines_of_text(text))
     if (const auto at = line.find(" = "); at != std::string::npos && line.find(' ', at + 3) == std::string::npos)
       found[line.substr(line.find_first_not_of(' '), at - line.find_first_not_of(' '))] = std::strtod(line.c_str() + at + 3, nullptr);
   return found;
@@ -58,7 +58,7 @@ void check_table(const std::vector<std::string>& page, const std::vector<std::st
 
 TEST_CASE("the tutorial shows its first deck line by line", "[golden]") {
   const std::string page = read_file(tutorial("README.md"));
-  for (const auto& line : lines(read_file(tutorial("buck.net")))) {
+  for (const auto& line : lines_of_text(read_file(tutorial("buck.net")))) {
     CAPTURE(line);
     CHECK((line == ".end" || page.find("    " + line + "\n") != std::string::npos));
   }
@@ -86,7 +86,7 @@ TEST_CASE("the sweep of the tutorial prints what the page shows", "[golden]") {
   const Scratch scratch;
   const Finished finished = run_in(scratch, {tutorial("losses.net")});
   REQUIRE(finished.status == 0);
-  check_table(lines(read_file(tutorial("README.md"))), lines(finished.out), 5);
+  check_table(lines_of_text(read_file(tutorial("README.md"))), lines_of_text(finished.out), 5);
 }
 
 // A boost converter in continuous conduction gives Vin/(1 - D) on average, to the ripple of its output (the same book, eq. 2.36).
@@ -95,8 +95,8 @@ TEST_CASE("the sweep of the reference prints what the page shows, near to what t
   const Scratch scratch;
   const Finished finished = run_in(scratch, {reference("boost_duty.net"), "--plot", "boost.svg"});
   REQUIRE(finished.status == 0);
-  const auto table = lines(finished.out);
-  check_table(lines(read_file(reference("sweeps.md"))), table, 6);
+  const auto table = lines_of_text(finished.out);
+  check_table(lines_of_text(read_file(reference("sweeps.md"))), table, 6);
   for (std::size_t k = 1; k < table.size(); ++k) {
     const auto row = numbers(table[k]);
     CHECK(row[1] == Approx(12.0 / (1.0 - row[0])).epsilon(ripple));
@@ -105,7 +105,7 @@ TEST_CASE("the sweep of the reference prints what the page shows, near to what t
 
 TEST_CASE("the first table of the README has the numbers of docs/validation/report.md", "[golden]") {
   const std::string root = PWLSIM_SOURCE_DIR;
-  const auto readme = lines(read_file(root + "/README.md")), report = lines(read_file(root + "/docs/validation/report.md"));
+  const auto readme = lines_of_text(read_file(root + "/README.md")), report = lines_of_text(read_file(root + "/docs/validation/report.md"));
   static const std::regex row(R"(\| \[[^\]]*\]\(validation/cases/([a-z_]+)\) \| ([^ ]+) ms \| ([^ ]+) ms \| ([^ ]+) ms \| ([^ ]+) \|)");
   std::size_t count = 0;
   for (const std::string& line : readme) {

@@ -5,8 +5,8 @@
 namespace pwlsim::test::converters {
 namespace {
 
-constexpr double periods = 24.0;
-constexpr int rows = 40;
+constexpr double chopper_periods = 24.0;
+constexpr int chopper_rows = 40;
 
 /// Values that belong together: a clock, a supply, a load, an inductor and a capacitor of suitable sizes.
 struct Stage {
@@ -56,7 +56,9 @@ void output(Draw& draw, ConverterBuilder& builder, const std::string& plus, cons
   builder.resistor(plus, minus, stage.ohms);
 }
 
-void finish(Draw& draw, ConverterBuilder& builder, const Stage& stage) { set_times(draw, builder, stage.clock.period, periods, rows); }
+void finish(Draw& draw, ConverterBuilder& builder, const Stage& stage) {
+  set_times(draw, builder, stage.clock.period, chopper_periods, chopper_rows);
+}
 
 /// Behind the switches of a buck.
 void filter(Draw& draw, ConverterBuilder& builder, const Stage& stage) {

@@ -7,18 +7,18 @@
 namespace pwlsim::test::converters {
 namespace {
 
-constexpr double periods = 20.0;
-constexpr int rows = 40;
+constexpr double isolated_periods = 20.0;
+constexpr int isolated_rows = 40;
 
-struct Stage {
+struct TransformerStage {
   Parts parts;
   Clock clock;
   double volts, ohms, magnetizing, farad, ratio, duty, factor;
 };
 
 /// `ratio`: secondary turns by primary turns; `factor`: coupling.
-Stage draw_stage(Draw& draw, ConverterBuilder& builder) {
-  Stage stage{};
+TransformerStage draw_transformer_stage(Draw& draw, ConverterBuilder& builder) {
+  TransformerStage stage{};
   stage.parts = add_models(draw, builder);
   stage.clock = draw_clock(draw, 2e4, 3e5);
   stage.volts = draw.pick({12.0, 24.0, 48.0, 325.0, 400.0});
@@ -32,25 +32,27 @@ Stage draw_stage(Draw& draw, ConverterBuilder& builder) {
   return stage;
 }
 
-double secondary(const Stage& stage) { return Draw::rounded(stage.magnetizing * stage.ratio * stage.ratio, 6); }
+double secondary(const TransformerStage& stage) { return Draw::rounded(stage.magnetizing * stage.ratio * stage.ratio, 6); }
 
-void output(ConverterBuilder& builder, const std::string& plus, const Stage& stage) {
+void output(ConverterBuilder& builder, const std::string& plus, const TransformerStage& stage) {
   builder.capacitor(plus, "0", stage.farad);
   builder.resistor(plus, "0", stage.ohms);
 }
 
 /// Resistor and capacitor that take the energy of the leakage inductance.
-void snubber(Draw& draw, ConverterBuilder& builder, const std::string& plus, const std::string& minus, const Stage& stage) {
+void snubber(Draw& draw, ConverterBuilder& builder, const std::string& plus, const std::string& minus, const TransformerStage& stage) {
   const std::string middle = "sn" + plus;
   const double ohms = Draw::rounded(stage.ohms / (stage.ratio * stage.ratio) * draw.logarithmic(0.1, 3.0));
   builder.resistor(plus, middle, ohms);
   builder.capacitor(middle, minus, Draw::rounded(stage.clock.period / ohms * draw.logarithmic(1e-3, 3e-2)));
 }
 
-void finish(Draw& draw, ConverterBuilder& builder, const Stage& stage) { set_times(draw, builder, stage.clock.period, periods, rows); }
+void finish(Draw& draw, ConverterBuilder& builder, const TransformerStage& stage) {
+  set_times(draw, builder, stage.clock.period, isolated_periods, isolated_rows);
+}
 
 /// Two transistors in a leg that conduct half of a period each, but for the dead time, if there is one.
-void leg(Draw& draw, ConverterBuilder& builder, const Stage& stage, const std::string& plus, const std::string& middle,
+void leg(Draw& draw, ConverterBuilder& builder, const TransformerStage& stage, const std::string& plus, const std::string& middle,
          const std::string& minus, double shift) {
   const double dead = stage.clock.dead / stage.clock.period;
   const std::size_t high = add_gate(builder, stage.clock, shift + dead, shift + 0.5);
@@ -67,7 +69,7 @@ void diode_bridge(ConverterBuilder& builder, const std::string& a, const std::st
 }
 
 /// Both halves of a secondary with its middle at ground, each with a diode.
-void centre_tap(ConverterBuilder& builder, const Stage& stage, std::vector<std::string> windings, const std::string& plus) {
+void centre_tap(ConverterBuilder& builder, const TransformerStage& stage, std::vector<std::string> windings, const std::string& plus) {
   windings.push_back(builder.inductor("sa", "0", secondary(stage)));
   windings.push_back(builder.inductor("0", "sb", secondary(stage)));
   builder.couple(windings, stage.factor);
@@ -76,7 +78,7 @@ void centre_tap(ConverterBuilder& builder, const Stage& stage, std::vector<std::
 }
 
 /// Behind the rectifier of a converter with an inductor.
-void filter(Draw& draw, ConverterBuilder& builder, const Stage& stage) {
+void filter(Draw& draw, ConverterBuilder& builder, const TransformerStage& stage) {
   builder.inductor("f", "out", Draw::rounded(stage.ohms * stage.clock.period * draw.logarithmic(0.2, 5.0)));
   output(builder, "out", stage);
   finish(draw, builder, stage);
@@ -85,7 +87,7 @@ void filter(Draw& draw, ConverterBuilder& builder, const Stage& stage) {
 }  // namespace
 
 void flyback(Draw& draw, ConverterBuilder& builder) {
-  Stage stage = draw_stage(draw, builder);
+  TransformerStage stage = draw_transformer_stage(draw, builder);
   const bool perfect = draw.chance(0.3);
   if (perfect) stage.factor = 1.0;
   const std::string primary = builder.inductor("in", "sw", stage.magnetizing);
@@ -99,7 +101,7 @@ void flyback(Draw& draw, ConverterBuilder& builder) {
 }
 
 void forward(Draw& draw, ConverterBuilder& builder) {
-  const Stage stage = draw_stage(draw, builder);
+  const TransformerStage stage = draw_transformer_stage(draw, builder);
   const std::size_t gate = add_gate(builder, stage.clock, 0.02, 0.02 + stage.duty);
   builder.contact("in", "pa", gate, stage.parts.contact);  // two transistors, two diodes that reset the core
   builder.contact("pb", "0", gate, stage.parts.contact);
@@ -114,7 +116,7 @@ void forward(Draw& draw, ConverterBuilder& builder) {
 }
 
 void push_pull(Draw& draw, ConverterBuilder& builder) {
-  const Stage stage = draw_stage(draw, builder);
+  const TransformerStage stage = draw_transformer_stage(draw, builder);
   std::vector<std::string> windings{builder.inductor("in", "a", stage.magnetizing), builder.inductor("b", "in", stage.magnetizing)};
   transistor(builder, "a", "0", add_gate(builder, stage.clock, 0.02, 0.02 + stage.duty), stage.parts);
   transistor(builder, "b", "0", add_gate(builder, stage.clock, 0.52, 0.52 + stage.duty), stage.parts);
@@ -125,7 +127,7 @@ void push_pull(Draw& draw, ConverterBuilder& builder) {
 }
 
 void half_bridge(Draw& draw, ConverterBuilder& builder) {
-  const Stage stage = draw_stage(draw, builder);
+  const TransformerStage stage = draw_transformer_stage(draw, builder);
   leg(draw, builder, stage, "in", "sw", "0", 0.0);
   const double half = Draw::rounded(stage.farad * stage.ratio * stage.ratio * draw.logarithmic(1.0, 10.0));
   builder.resistor("in", "cin", draw.logarithmic(1e-2, 0.5));
@@ -137,7 +139,7 @@ void half_bridge(Draw& draw, ConverterBuilder& builder) {
 }
 
 void full_bridge(Draw& draw, ConverterBuilder& builder) {
-  const Stage stage = draw_stage(draw, builder);
+  const TransformerStage stage = draw_transformer_stage(draw, builder);
   leg(draw, builder, stage, "in", "a", "0", 0.0);
   leg(draw, builder, stage, "in", "b", "0", draw.uniform(0.1, 0.5));
   const std::string primary = builder.inductor("a", "b", stage.magnetizing);
@@ -151,7 +153,7 @@ void full_bridge(Draw& draw, ConverterBuilder& builder) {
 }
 
 void llc(Draw& draw, ConverterBuilder& builder) {
-  const Stage stage = draw_stage(draw, builder);
+  const TransformerStage stage = draw_transformer_stage(draw, builder);
   leg(draw, builder, stage, "in", "sw", "0", 0.0);
   // The resonance of the series inductor and capacitor lies near the clock's frequency.
   const double series = Draw::rounded(stage.magnetizing / draw.logarithmic(3.0, 10.0));
@@ -170,7 +172,7 @@ void llc(Draw& draw, ConverterBuilder& builder) {
 }
 
 void dual_active_bridge(Draw& draw, ConverterBuilder& builder) {
-  const Stage stage = draw_stage(draw, builder);
+  const TransformerStage stage = draw_transformer_stage(draw, builder);
   leg(draw, builder, stage, "in", "a", "0", 0.0);
   leg(draw, builder, stage, "in", "b", "0", 0.5);
   builder.inductor("a", "p", Draw::rounded(stage.magnetizing / draw.logarithmic(5.0, 50.0)));
@@ -184,7 +186,7 @@ void dual_active_bridge(Draw& draw, ConverterBuilder& builder) {
 }
 
 void class_e(Draw& draw, ConverterBuilder& builder) {
-  const Stage stage = draw_stage(draw, builder);
+  const TransformerStage stage = draw_transformer_stage(draw, builder);
   const double load = draw.logarithmic(2.0, 60.0), angle = stage.clock.period / (2 * 3.141592653589793);
   builder.inductor("in", "d", Draw::rounded(load * stage.clock.period * draw.uniform(3.0, 20.0)));
   const std::size_t gate = add_gate(builder, stage.clock, 0.02, 0.52);
@@ -202,7 +204,7 @@ void class_e(Draw& draw, ConverterBuilder& builder) {
 
 /// One leg of three levels with a neutral-point clamp.
 void npc(Draw& draw, ConverterBuilder& builder) {
-  const Stage stage = draw_stage(draw, builder);
+  const TransformerStage stage = draw_transformer_stage(draw, builder);
   const double dead = stage.clock.dead / stage.clock.period, duty = stage.duty;
   builder.resistor("in", "top", draw.logarithmic(1e-2, 0.2));
   const double half = Draw::rounded(stage.farad * draw.logarithmic(2.0, 20.0));

@@ -51,7 +51,7 @@ class InnerProgram : public Program {
  public:
   ProgramAnswer run(const std::string& deck, const std::vector<std::string>& options) override {
     folder_.write("deck.net", deck);
-    const Trial trial = runner_->run(folder_, words(options));
+    const test::Trial trial = runner_->run(folder_, words(options));
     return {trial.status, ids_of(trial.err), read_rows(trial.out)};
   }
 

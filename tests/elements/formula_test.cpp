@@ -69,7 +69,7 @@ int ports(const std::vector<FormulaPart>& parts, const AffineSum& value) {
 
 constexpr double rounding = 1e-14;
 
-struct Bench {
+struct FormulaBench {
   FormulaBuilder f;
   AffineSum x = f.voltage(0), y = f.voltage(1);
 
@@ -87,7 +87,7 @@ struct Bench {
 }  // namespace
 
 TEST_CASE("functions have their values and as few ports as they need", "[unit]") {
-  Bench b;
+  FormulaBench b;
   b.check(b.f.maximum(b.x, b.y), 1, [](double x, double y) { return std::max(x, y); });
   b.check(b.f.minimum(b.x, b.y), 1, [](double x, double y) { return std::min(x, y); });
   b.check(b.f.absolute(b.x), 1, [](double x, double) { return std::abs(x); });
@@ -98,21 +98,21 @@ TEST_CASE("functions have their values and as few ports as they need", "[unit]")
 }
 
 TEST_CASE("equal parts share their ports", "[unit]") {
-  Bench b;
+  FormulaBench b;
   b.check(b.f.maximum(b.x, b.y) - b.f.minimum(b.x, b.y), 1, [](double x, double y) { return std::abs(x - y); });
   b.check(b.f.absolute(b.x) + b.f.positive(-3.0 * b.x), 1, [](double x, double) { return std::abs(x) + std::max(-3.0 * x, 0.0); });
   b.check(b.f.step(b.x, 0.5) + b.f.sign(-2.0 * b.x), 2, [](double x, double) { return x > 0.0 ? 0.0 : 1.0; });
 }
 
 TEST_CASE("a limit at infinity is none", "[unit]") {
-  Bench b;
+  FormulaBench b;
   const double inf = INFINITY;
   b.check(b.f.limit(b.x, constant_sum(-inf), constant_sum(2.0)), 1, [](double x, double) { return std::min(x, 2.0); });
   b.check(b.f.maximum(b.x, constant_sum(-inf)), 0, [](double x, double) { return x; });
 }
 
 TEST_CASE("a table has one port a kink, a step where its x repeat", "[unit]") {
-  Bench b;
+  FormulaBench b;
   const std::vector<TablePoint> hat{{-1.0, 0.0}, {0.0, 1.0}, {1.0, 0.0}};
   b.check(b.f.table(b.x, hat, false), 3, [](double x, double) { return std::max(0.0, 1.0 - std::abs(x)); });
   b.check(b.f.table(b.x, hat, true), 1, [](double x, double) { return 1.0 - std::abs(x); });
@@ -121,7 +121,7 @@ TEST_CASE("a table has one port a kink, a step where its x repeat", "[unit]") {
 }
 
 TEST_CASE("a choice costs what its two sides differ by", "[unit]") {
-  Bench b;
+  FormulaBench b;
   const Condition above = b.f.greater(b.x, constant_sum(0.75));
   b.check(b.f.choose(above, b.x, constant_sum(0.75)), 1, [](double x, double) { return std::max(x, 0.75); });
   b.check(b.f.choose(above, constant_sum(5.0), constant_sum(2.0)), 2, [](double x, double) { return x > 0.75 ? 5.0 : 2.0; });
@@ -134,7 +134,7 @@ TEST_CASE("a choice costs what its two sides differ by", "[unit]") {
 }
 
 TEST_CASE("functions of time are sources", "[unit]") {
-  Bench b;
+  FormulaBench b;
   const AffineSum t = b.f.time();
   const AffineSum omega_t = 3.0 * t;
   const auto sine = b.f.sine(omega_t, 0.0);

@@ -8,7 +8,7 @@ using namespace pwlsim;
 
 namespace {
 
-constexpr double rounding = 1e-13;
+constexpr double limit_rounding = 1e-13;
 
 /// Events at t_k = 1 - w_k ratio^floor(k/2), two an interval pair, the state going to 3 as 3 - (1 - t)^2.
 void geometric(engine::AccumulationWatch& watch, double ratio, int events) {
@@ -30,10 +30,10 @@ TEST_CASE("a geometric sequence of events has its limit at the sum of the series
     REQUIRE(limit);
     CHECK(limit->period == 2);
     CHECK(limit->ratio == Approx(ratio).epsilon(1e-6));
-    CHECK(limit->time == Approx(1.0).epsilon(rounding / (1.0 - ratio)));
-    CHECK(limit->uncertainty <= rounding / (1.0 - ratio));
+    CHECK(limit->time == Approx(1.0).epsilon(limit_rounding / (1.0 - ratio)));
+    CHECK(limit->uncertainty <= limit_rounding / (1.0 - ratio));
     REQUIRE(limit->xi.size() == 1);
-    CHECK(limit->xi[0] == Approx(3.0).epsilon(rounding / (1.0 - ratio)));
+    CHECK(limit->xi[0] == Approx(3.0).epsilon(limit_rounding / (1.0 - ratio)));
   }
 }
 

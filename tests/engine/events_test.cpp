@@ -10,7 +10,7 @@ using std::numbers::pi;
 
 namespace {
 
-constexpr double tight = 1e-13;
+constexpr double event_rounding = 1e-13;
 
 model::Pulse pulse(double delay, double rise, double width, double period) {
   model::Pulse p;
@@ -108,7 +108,7 @@ TEST_CASE("diodes that change together are one event", "[unit]") {
   const Run run = simulate(c.network(), {10.0, 10, true, true});
   const auto times = event_times(run);
   REQUIRE(times.size() == 3);
-  for (std::size_t i = 0; i < 3; ++i) CHECK(times[i] == Approx((static_cast<double>(i) + 1.0) * pi).epsilon(tight));
+  for (std::size_t i = 0; i < 3; ++i) CHECK(times[i] == Approx((static_cast<double>(i) + 1.0) * pi).epsilon(event_rounding));
   CHECK(run.answer.statistics.events == 3);
   CHECK(run.answer.statistics.jumps == 0);
 }
@@ -150,7 +150,7 @@ TEST_CASE("jumps of the state are counted apart", "[unit]") {
   const Run run = simulate(c.network(), {2.0, 4, true, true});
   CHECK(run.answer.statistics.events == 2);
   REQUIRE(event_times(run).size() == 2);
-  CHECK(run.at(2, 0) == Approx(0.25).epsilon(tight));  // a quarter of the step, charge conserved
+  CHECK(run.at(2, 0) == Approx(0.25).epsilon(event_rounding));  // a quarter of the step, charge conserved
 }
 
 // Rounding of event times, always the same way in a steady state, must not add up: 4,000 events later the source is where its formula has it.
@@ -195,5 +195,5 @@ TEST_CASE("events of a slow source behind critically damped parts a thousand tim
     for (const double angle : {rises, pi - rises}) expected.push_back((angle + phase + 2.0 * pi * period) / omega);
   const std::vector<double> times = event_times(run);
   REQUIRE(times.size() == expected.size());
-  for (std::size_t i = 0; i < times.size(); ++i) CHECK(std::abs(times[i] - expected[i]) <= 10.0 * tight * expected[i]);
+  for (std::size_t i = 0; i < times.size(); ++i) CHECK(std::abs(times[i] - expected[i]) <= 10.0 * event_rounding * expected[i]);
 }

@@ -11,7 +11,7 @@ using namespace pwlsim::engine::sparse;
 
 namespace {
 
-constexpr double rounding = 1e-12;
+constexpr double edge_rounding = 1e-12;
 
 model::Pulse triangle(double delay, double half_period) {
   model::Pulse p;
@@ -40,12 +40,12 @@ TEST_CASE("a gate knows when its control passes its levels", "[unit]") {
   gate.begin(false, 12.0);
   CHECK_FALSE(gate.closed());
   for (const double expected : {3.0 + 0.375 * 2.0, 3.0 + 1.875 * 2.0, 3.0 + 2.375 * 2.0, 3.0 + 3.875 * 2.0}) {
-    CHECK(gate.next() == Approx(expected).epsilon(rounding));
+    CHECK(gate.next() == Approx(expected).epsilon(edge_rounding));
     const bool closed = gate.closed();
     gate.pass();
     CHECK(gate.closed() != closed);
   }
-  CHECK(gate.next() == Approx(3.0 + 4.375 * 2.0).epsilon(rounding));
+  CHECK(gate.next() == Approx(3.0 + 4.375 * 2.0).epsilon(edge_rounding));
   gate.pass();
   CHECK(gate.next() == model::forever);  // the next one is beyond the end
 }
@@ -66,7 +66,7 @@ TEST_CASE("a gate reads sources that stand on one another", "[unit]") {
   REQUIRE(gates.size() == 2);
   for (Gate& gate : gates) {
     gate.begin(false, 12.0);
-    CHECK(gate.next() == Approx(3.0 + 0.25 * 2.0).epsilon(rounding));
+    CHECK(gate.next() == Approx(3.0 + 0.25 * 2.0).epsilon(edge_rounding));
   }
 }
 

@@ -464,8 +464,8 @@ std::optional<Judged> judge(RandomMotion& motion, double tolerance) {
   return judged;
 }
 
-constexpr double most_tolerances = 10.0;  ///< that an error may be, or estimates where the vectors reach no more: an estimate is no bound
-constexpr double rounding = 1e-12;        ///< of the largest √energy: a full space is estimated to have no error
+constexpr double most_tolerances = 10.0;    ///< that an error may be, or estimates where the vectors reach no more: an estimate is no bound
+constexpr double full_space_error = 1e-12;  ///< of the largest √energy: a full space is estimated to have no error
 constexpr double largest_factor = 10.0, its_share = 0.01,
                  share_far_below = 0.02;  ///< so many errors may be more than that times what they are estimated at
 
@@ -474,15 +474,15 @@ constexpr double most_roundings = 20.0;       ///< that rounding may be: its est
 constexpr double visible = 1e-13;             ///< of it: smaller errors are as much of rounding as of the vectors
 constexpr double most_in_median = 100.0;      ///< of errors that are visible, their bounds
 
-struct Tally {
+struct EstimateTally {
   std::uint64_t judged = 0, far_below = 0, misjudged = 0, unbounded = 0;
   std::vector<double> factors;  ///< bounds over errors
 };
 
-void check_segment(const Judged& segment, double tolerance, Tally& tally) {
+void check_segment(const Judged& segment, double tolerance, EstimateTally& tally) {
   ++tally.judged;
   tally.misjudged += segment.error > most_tolerances * std::max(tolerance, segment.estimate) ? 1 : 0;
-  tally.far_below += segment.error > largest_factor * std::max(segment.estimate, rounding) ? 1 : 0;
+  tally.far_below += segment.error > largest_factor * std::max(segment.estimate, full_space_error) ? 1 : 0;
   tally.unbounded += segment.bounds.back().holds ? 0 : 1;
   for (std::size_t k = 0; k < segment.errors.size(); ++k) {
     const auto& bound = segment.bounds[k];
@@ -495,7 +495,7 @@ void check_segment(const Judged& segment, double tolerance, Tally& tally) {
 }
 
 void check_segments(std::uint64_t networks, double tolerance) {
-  Tally tally;
+  EstimateTally tally;
   for (std::uint64_t seed = 1; seed <= networks; ++seed) {
     RandomMotion motion(seed);
     const auto segment = judge(motion, tolerance);

@@ -14,9 +14,6 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double engine_error = 1e-9;    ///< of a signal's largest value: whole runs
-constexpr double contamination = 1e-13;  ///< of the terms of a row
-
 std::string name(const char* letter, int i) { return letter + std::to_string(i); }
 
 model::Pulse gate(double width, double delay, double period) { return {0.0, 1.0, delay, 1e-6, 1e-6, width, period}; }

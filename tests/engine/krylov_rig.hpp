@@ -15,6 +15,9 @@ namespace pwlsim::test {
 
 using namespace engine::sparse;
 
+constexpr double engine_error = 1e-9;    ///< of a signal's largest value: whole runs
+constexpr double contamination = 1e-13;  ///< of the terms of a row
+
 /// A network with all its ports off, and a space from node voltages on.
 struct Rig {
   explicit Rig(const model::Network& network)

@@ -14,8 +14,6 @@ using namespace pwlsim::engine::sparse;
 namespace {
 
 constexpr double segment_error = 1e-11;  ///< of the largest state
-constexpr double engine_error = 1e-9;    ///< of a signal's largest value: whole runs
-constexpr double contamination = 1e-13;  ///< of the terms of a row
 constexpr double sharing = 1e-9;         ///< of the largest current: how parallel diodes differ
 
 /// What instants deliver of the probes.

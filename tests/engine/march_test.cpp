@@ -16,16 +16,16 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double period = 10e-6;
-constexpr double merge = 1e-18;     ///< s
-constexpr double rounding = 1e-12;  ///< of some hundred segments, relative to the largest state
+constexpr double switching_period = 10e-6;
+constexpr double merge = 1e-18;             ///< s
+constexpr double segment_rounding = 1e-12;  ///< of some hundred segments, relative to the largest state
 
 /// A buck in discontinuous conduction: its diode turns off at an event, its switch is a clock.
 TestCircuit buck() {
   model::Pulse gate;
   gate.pulsed = 1.0;
-  gate.width = 0.3 * period;
-  gate.period = period;
+  gate.width = 0.3 * switching_period;
+  gate.period = switching_period;
   TestCircuit c;
   c.v("in", "0", model::Dc{12.0});
   c.v("g", "0", gate);
@@ -95,10 +95,10 @@ TEST_CASE("two half runs that meet at an instant equal one to the last bit", "[u
   const auto model = prepared(buck());
   for (const int periods : {1, 7, 20}) {
     engine::March whole = march_on(*model), halves = march_on(*model);
-    run(whole, 40 * period);
-    run(halves, periods * period);
-    CHECK(halves.state().time == periods * period);
-    run(halves, 40 * period);
+    run(whole, 40 * switching_period);
+    run(halves, periods * switching_period);
+    CHECK(halves.state().time == periods * switching_period);
+    run(halves, 40 * switching_period);
     for (std::size_t i = 0; i < whole.state().xi.size(); ++i) CHECK(whole.state().xi[i] == halves.state().xi[i]);
     CHECK(whole.state().on == halves.state().on);
   }
@@ -107,29 +107,29 @@ TEST_CASE("two half runs that meet at an instant equal one to the last bit", "[u
 TEST_CASE("a run may be left and entered anywhere", "[unit]") {
   const auto model = GENERATE(prepared(buck()), prepared(rectifier()));
   engine::March whole = march_on(*model);
-  run(whole, 20 * period);
+  run(whole, 20 * switching_period);
   for (const double share : {0.037, 0.31, 0.5, 0.871}) {
     engine::March halves = march_on(*model);
-    run(halves, share * 20 * period);
-    run(halves, 20 * period);
-    CHECK(distance(halves.state(), whole.state()) <= rounding);
+    run(halves, share * 20 * switching_period);
+    run(halves, 20 * switching_period);
+    CHECK(distance(halves.state(), whole.state()) <= segment_rounding);
   }
 }
 
 TEST_CASE("instants have the time of the run, and those of the second half are not those of the first", "[unit]") {
   const auto model = prepared(buck());
   engine::March march = march_on(*model);
-  run(march, 10.5 * period);
+  run(march, 10.5 * switching_period);
   CountsEvents seen;
-  REQUIRE(march.advance(12.0 * period, &seen).outcome == engine::Outcome::completed);
+  REQUIRE(march.advance(12.0 * switching_period, &seen).outcome == engine::Outcome::completed);
   REQUIRE(seen.times.size() >= 3);
-  CHECK(seen.times.front() == 10.5 * period);  // where it was entered
+  CHECK(seen.times.front() == 10.5 * switching_period);  // where it was entered
   const auto at = [&](double time) {
-    return std::any_of(seen.times.begin(), seen.times.end(), [&](double t) { return std::abs(t - time) <= rounding * time; });
+    return std::any_of(seen.times.begin(), seen.times.end(), [&](double t) { return std::abs(t - time) <= segment_rounding * time; });
   };
-  CHECK(at(11.0 * period));
-  CHECK(at(11.3 * period));
-  CHECK(seen.times.back() < 12.0 * period);  // left to the next run
+  CHECK(at(11.0 * switching_period));
+  CHECK(at(11.3 * switching_period));
+  CHECK(seen.times.back() < 12.0 * switching_period);  // left to the next run
 }
 
 // What an instant is does not depend on how long the run is: an edge 1e-16 s behind another is one with it at merge = 1e-15 s, and of its own at 1e-18 s.

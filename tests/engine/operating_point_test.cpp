@@ -44,13 +44,13 @@ TestCircuit circuit_of(const std::vector<Card>& cards) {
   return c;
 }
 
-struct Point {
+struct OperatingPoint {
   bool prepared = false, exists = false;
   std::vector<double> values;
 };
 
-Point point_of(const TestCircuit& c) {
-  Point result;
+OperatingPoint point_of(const TestCircuit& c) {
+  OperatingPoint result;
   Diagnostics diagnostics;
   const auto model = engine::prepare(c.network(), diagnostics);
   if (!model) return result;
@@ -211,7 +211,7 @@ TEST_CASE("a capacitor behind a blocked diode has an operating point at every va
     circuit.save_v("b");
     circuit.save_v("c");
     CAPTURE(r, c, source);
-    const Point point = point_of(circuit);
+    const OperatingPoint point = point_of(circuit);
     REQUIRE(point.exists);
     CHECK(point.values[0] == Approx(source).epsilon(1e-12));
     CHECK(point.values[1] == Approx(std::max(source, 0.0)).margin(1e-10));
@@ -225,7 +225,7 @@ TEST_CASE("operating points exist where enumeration finds one, and are those of 
     std::vector<Card> cards = random_cards(random);
     CAPTURE(run, text_of(cards));
     if (std::none_of(cards.begin(), cards.end(), is_store)) continue;
-    const Point point = point_of(circuit_of(cards));
+    const OperatingPoint point = point_of(circuit_of(cards));
     if (!point.prepared) continue;  // loops of sources and inductors, cutsets
     const auto least = Enumeration(cards).least();
     REQUIRE(point.exists == least.has_value());
@@ -246,7 +246,7 @@ TEST_CASE("an operating point does not depend on the order of the cards", "[unit
     CAPTURE(run, text_of(cards));
     std::vector<std::size_t> order(cards.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-    const Point first = point_of(circuit_of(cards));
+    const OperatingPoint first = point_of(circuit_of(cards));
     std::vector<std::size_t> stores;
     for (std::size_t i = 0; i < cards.size(); ++i)
       if (is_store(cards[i])) stores.push_back(i);
@@ -258,7 +258,7 @@ TEST_CASE("an operating point does not depend on the order of the cards", "[unit
         shuffled.push_back(cards[i]);
         if (is_store(cards[i])) place.push_back(static_cast<std::size_t>(std::find(stores.begin(), stores.end(), i) - stores.begin()));
       }
-      const Point other = point_of(circuit_of(shuffled));
+      const OperatingPoint other = point_of(circuit_of(shuffled));
       REQUIRE(other.exists == first.exists);
       if (!first.exists) continue;
       double scale = 1.0;

@@ -16,8 +16,8 @@ namespace {
 constexpr double rounding = 1e-12;
 
 /// What a step needs, around one network.
-struct Rig {
-  explicit Rig(const model::Network& network)
+struct StepRig {
+  explicit StepRig(const model::Network& network)
       : descriptor(network),
         factors(network, descriptor),
         ports(descriptor, factors, 1.0),
@@ -56,7 +56,7 @@ TEST_CASE("a step of an RC discharge is the stability function of either method"
   TestCircuit c;
   c.c("a", "0", 2.0);
   c.r("a", "0", 3.0);
-  Rig rig(c.network());
+  StepRig rig(c.network());
   rig.set_node(5.0);
   for (const double h : {1e-3, 1.0, 60.0, 6e4}) {
     const double x = -h / 6.0;
@@ -77,7 +77,7 @@ TEST_CASE("a step without its estimated error is of order 3, and as stable", "[u
   TestCircuit c;
   c.c("a", "0", 2.0);
   c.r("a", "0", 3.0);
-  Rig rig(c.network());
+  StepRig rig(c.network());
   rig.set_node(5.0);
   double error[2] = {0.0, 0.0};
   for (const double h : {0.12, 0.06, 60.0, 6e4, 6e8}) {
@@ -107,7 +107,7 @@ TEST_CASE("the energy does not depend on whether a capacitor's current is an unk
   c.r("a", "0", 4.0);
   c.r("b", "0", 11.0);
   if (is_read) c.network().signals.push_back({"i(C)", {{model::Term::Kind::capacitor_current, capacitor, 1.0}}});
-  Rig rig(c.network());
+  StepRig rig(c.network());
   rig.set_states({volts, rig.descriptor.r0() * amperes});
   if (is_read) rig.point.z[static_cast<std::size_t>(rig.descriptor.unknowns().capacitor(0))] = 1e3;  // the energy does not read it
   std::vector<double> memory(rig.point.z.size());
@@ -121,7 +121,7 @@ TEST_CASE("a step without its estimated error gives a tank no energy", "[unit]")
   TestCircuit c;
   c.c("a", "0", 1.0);
   c.l("a", "0", 1.0);
-  Rig rig(c.network());
+  StepRig rig(c.network());
   rig.set_states({1.0, 0.5});
   rig.descriptor.rates(rig.point.z.data(), rig.point.w.data(), rig.point.k.data());
   for (double h = 1e-3; h < 1e6; h *= 1.3) {
@@ -138,7 +138,7 @@ TEST_CASE("the error estimate of a small step is its local error", "[unit]") {
   TestCircuit c;
   c.c("a", "0", 1.0);
   c.r("a", "0", 1.0);
-  Rig rig(c.network());
+  StepRig rig(c.network());
   rig.set_node(1.0);
   Stepper::Trial first, second;
   const double h = 1e-2;
@@ -155,7 +155,7 @@ TEST_CASE("currents of capacitors across sources are of order 2", "[unit]") {
   TestCircuit c;
   c.v("a", "0", model::Sin{0.0, 1.0, 1.0});
   c.c("a", "0", 2.0);
-  Rig rig(c.network());
+  StepRig rig(c.network());
   const double omega = 2.0 * std::numbers::pi;
   rig.point.time = 0.1;
   const Form current = rig.descriptor.form({{model::Term::Kind::branch_current, 0, -1.0}});
@@ -179,7 +179,7 @@ TEST_CASE("an Euler step takes the jump of a capacitive divider", "[unit]") {
   c.v("s", "0", model::Dc{4.0});
   c.c("s", "m", 1.0);
   c.c("m", "0", 3.0);
-  Rig rig(c.network());
+  StepRig rig(c.network());
   rig.set_states({0.0, 0.0});
   Point end;
   REQUIRE(rig.stepper.euler(rig.point, 1e-6, end, rig.memory) == Solved::yes);
@@ -193,7 +193,7 @@ TEST_CASE("charge is shared through a diode in one Euler step", "[unit]") {
   c.c("a", "0", 1.0);
   c.d("a", "b");
   c.c("b", "0", 2.0);
-  Rig rig(c.network());
+  StepRig rig(c.network());
   rig.set_states({3.0, 0.0});
   Point end;
   REQUIRE(rig.stepper.euler(rig.point, 1e-6, end, rig.memory) == Solved::yes);
@@ -213,7 +213,7 @@ TEST_CASE("ports in dispute are decided by Lemke's method", "[unit]") {
     for (int j = 0; j < 3; ++j) item.slack.push_back({Term::Kind::slack_input, j, row[j]});
     network.complementarities.push_back(item);
   }
-  Rig rig(network);
+  StepRig rig(network);
   rig.point.on = {1, 0, 0};
   Point end;
   REQUIRE(rig.stepper.euler(rig.point, 1.0, end) == Solved::yes);
@@ -231,7 +231,7 @@ TEST_CASE("parallel diodes share their current", "[unit]") {
   c.d("a", "b");
   c.d("a", "b");
   c.r("b", "0", 1.0);
-  Rig rig(c.network());
+  StepRig rig(c.network());
   Point end;
   REQUIRE(rig.stepper.euler(rig.point, 1.0, end) == Solved::yes);
   for (int i = 0; i < 2; ++i) {

@@ -11,7 +11,7 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double tight = 1e-12;
+constexpr double start_rounding = 1e-12;
 
 std::vector<double> operating_point(const TestCircuit& c) {
   Diagnostics diagnostics;
@@ -50,7 +50,7 @@ TEST_CASE("capacitors are open, inductors short", "[unit]") {
   c.save_i_l(l);
   const double expected[] = {0.0, 6.0, 2.0};
   const auto point = operating_point(c);
-  for (std::size_t i = 0; i < 3; ++i) CHECK(point[i] == Approx(expected[i]).margin(tight));
+  for (std::size_t i = 0; i < 3; ++i) CHECK(point[i] == Approx(expected[i]).margin(start_rounding));
   const Run run = simulate(c.network(), {1e-3, 10, false});
   for (const auto& row : run.rows)
     for (std::size_t i = 0; i < 3; ++i) CHECK(row[i + 1] == Approx(expected[i]).margin(1e-11));
@@ -70,7 +70,7 @@ TEST_CASE("diodes take the position that Kirchhoff and their signs leave", "[uni
   for (const int d : {d1, d2, d3}) c.save_i_d(d);
   const auto point = operating_point(c);
   const double expected[] = {5.0, 5e-3, 5e-3, 0.0};
-  for (std::size_t i = 0; i < 4; ++i) CHECK(point[i] == Approx(expected[i]).margin(tight));
+  for (std::size_t i = 0; i < 4; ++i) CHECK(point[i] == Approx(expected[i]).margin(start_rounding));
 }
 
 TEST_CASE("the step at t = 0 comes after the operating point", "[unit]") {
@@ -83,12 +83,12 @@ TEST_CASE("the step at t = 0 comes after the operating point", "[unit]") {
   CHECK(operating_point(c)[0] == 0.0);
   const Run from_point = simulate(c.network(), {1.0, 10, false});
   CHECK(from_point.at(0, 0) == Approx(10.0));
-  CHECK(from_point.at(0, 1) == Approx(0.0).margin(tight));
-  CHECK(from_point.at(10, 1) == Approx(10.0 * (1.0 - std::exp(-1.0))).epsilon(tight));
+  CHECK(from_point.at(0, 1) == Approx(0.0).margin(start_rounding));
+  CHECK(from_point.at(10, 1) == Approx(10.0 * (1.0 - std::exp(-1.0))).epsilon(start_rounding));
   const Run from_values = simulate(c.network(), {1.0, 10, true});
   CHECK(from_values.at(0, 0) == Approx(10.0));
-  CHECK(from_values.at(0, 1) == Approx(4.0).epsilon(tight));
-  CHECK(from_values.at(10, 1) == Approx(10.0 - 6.0 * std::exp(-1.0)).epsilon(tight));
+  CHECK(from_values.at(0, 1) == Approx(4.0).epsilon(start_rounding));
+  CHECK(from_values.at(10, 1) == Approx(10.0 - 6.0 * std::exp(-1.0)).epsilon(start_rounding));
   CHECK(from_values.answer.statistics.events == 0);  // t = 0 does not count
 }
 
@@ -103,8 +103,8 @@ TEST_CASE(".ic of a node holds in the operating point and is let go at once", "[
   c.network().node_conditions.push_back(held);
   c.save_v("a");
   const Run run = simulate(c.network(), {1.0, 10, false});
-  CHECK(run.at(0, 0) == Approx(3.0).epsilon(tight));
-  CHECK(run.at(10, 0) == Approx(10.0 - 7.0 * std::exp(-1.0)).epsilon(tight));
+  CHECK(run.at(0, 0) == Approx(3.0).epsilon(start_rounding));
+  CHECK(run.at(10, 0) == Approx(10.0 - 7.0 * std::exp(-1.0)).epsilon(start_rounding));
 }
 
 TEST_CASE(".ic of an inductor holds in the operating point and is let go at once", "[unit]") {
@@ -118,8 +118,8 @@ TEST_CASE(".ic of an inductor holds in the operating point and is let go at once
   c.network().current_conditions.push_back(held);
   c.save_i_l(l);
   const Run run = simulate(c.network(), {1.0, 10, false});
-  CHECK(run.at(0, 0) == Approx(1.0).epsilon(tight));
-  CHECK(run.at(10, 0) == Approx(5.0 - 4.0 * std::exp(-1.0)).epsilon(tight));
+  CHECK(run.at(0, 0) == Approx(1.0).epsilon(start_rounding));
+  CHECK(run.at(10, 0) == Approx(5.0 - 4.0 * std::exp(-1.0)).epsilon(start_rounding));
 }
 
 // An inductor across a capacitor without resistance, or a capacitor that nothing charges: any value would do; zero holds no energy.
@@ -130,7 +130,7 @@ TEST_CASE("where the operating point is not unique the run starts with least ene
   loop.r("a", "0", 1.0);
   loop.save_i_l(l);
   const Run circulating = simulate(loop.network(), {1e-3, 2, false});
-  CHECK(std::abs(circulating.at(0, 0)) <= tight);
+  CHECK(std::abs(circulating.at(0, 0)) <= start_rounding);
   CHECK(has_remark(circulating.answer, "W-op-not-unique"));
 
   TestCircuit floating;
@@ -140,7 +140,7 @@ TEST_CASE("where the operating point is not unique the run starts with least ene
   floating.save_v("m");
   const Run divided = simulate(floating.network(), {1e-3, 2, false});
   // ½·1µ·(4 − v)² + ½·3µ·v² is least at v = 1: the divider of an uncharged midpoint.
-  CHECK(divided.at(0, 0) == Approx(1.0).epsilon(tight));
+  CHECK(divided.at(0, 0) == Approx(1.0).epsilon(start_rounding));
   CHECK(has_remark(divided.answer, "W-op-not-unique"));
 }
 
@@ -151,8 +151,8 @@ TEST_CASE("initial values that contradict the circuit are projected, and the run
   c.r("a", "0", 1.0);
   c.save_v("a");
   const Run run = simulate(c.network(), {1.0, 2, true});
-  CHECK(run.at(0, 0) == Approx(1.0).epsilon(tight));
-  CHECK(run.at(2, 0) == Approx(std::exp(-1.0 / 3.0)).epsilon(tight));
+  CHECK(run.at(0, 0) == Approx(1.0).epsilon(start_rounding));
+  CHECK(run.at(2, 0) == Approx(std::exp(-1.0 / 3.0)).epsilon(start_rounding));
   CHECK(has_remark(run.answer, "W-start-projected"));
 
   TestCircuit source;
@@ -171,7 +171,7 @@ TEST_CASE("initial values that fit are not talked about", "[unit]") {
   c.r("a", "0", 1.0);
   c.save_v("a");
   const Run run = simulate(c.network(), {1.0, 2, true});
-  CHECK(run.at(0, 0) == Approx(3.0).epsilon(tight));
+  CHECK(run.at(0, 0) == Approx(3.0).epsilon(start_rounding));
   CHECK_FALSE(has_remark(run.answer, "W-start-projected"));
 }
 
@@ -220,8 +220,8 @@ TEST_CASE("a part without an operating point starts from zero, another from its 
   CHECK(has_remark(run.answer, "W-no-operating-point"));
   CHECK_FALSE(has_remark(run.answer, "W-start-projected"));
   for (const auto& row : run.rows) {
-    CHECK(row[1] == Approx(4.0 * row[0]).margin(tight));
-    CHECK(row[2] == Approx(5.0).margin(tight));
+    CHECK(row[1] == Approx(4.0 * row[0]).margin(start_rounding));
+    CHECK(row[2] == Approx(5.0).margin(start_rounding));
   }
 
   Diagnostics diagnostics;

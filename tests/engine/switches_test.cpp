@@ -9,7 +9,7 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double tight = 1e-13;
+constexpr double switching_rounding = 1e-13;
 
 model::Pulse clock(double delay, double width, double period) {
   model::Pulse pulse;
@@ -51,7 +51,7 @@ TEST_CASE("two switches of a half bridge change together", "[unit]") {
     const double on = 0.1 + rise / 2, off = 0.5 + rise + rise / 2;
     if (std::abs(phase - on) < 1e-9 || std::abs(phase - off) < 1e-9) continue;
     INFO("t = " << row[0]);
-    CHECK(row[1] == Approx(phase > on && phase < off ? 10.0 : 0.0).margin(tight));
+    CHECK(row[1] == Approx(phase > on && phase < off ? 10.0 : 0.0).margin(switching_rounding));
   }
 }
 
@@ -70,7 +70,7 @@ TEST_CASE("switches of several islands that one ramp drives pass at one instant"
   CHECK(run.answer.statistics.events == 1);
   for (std::size_t signal = 0; signal < 3; ++signal) {
     CHECK(run.at(2, signal) == Approx(2.0));
-    CHECK(run.at(4, signal) == Approx(0.0).margin(tight));
+    CHECK(run.at(4, signal) == Approx(0.0).margin(switching_rounding));
   }
 }
 
@@ -87,8 +87,8 @@ TEST_CASE("a switch closes across charged capacitors", "[unit]") {
   CHECK(run.at(1, 0) == Approx(3.0));
   CHECK(run.at(1, 1) == 0.0);
   for (const std::size_t row : {2U, 3U, 4U}) {  // the row at the edge itself holds the values after it
-    CHECK(run.at(row, 0) == Approx(1.0).epsilon(tight));
-    CHECK(run.at(row, 1) == Approx(1.0).epsilon(tight));
+    CHECK(run.at(row, 0) == Approx(1.0).epsilon(switching_rounding));
+    CHECK(run.at(row, 1) == Approx(1.0).epsilon(switching_rounding));
   }
   CHECK(run.answer.statistics.events == 1);
   CHECK(run.answer.statistics.jumps == 1);
@@ -107,7 +107,7 @@ TEST_CASE("a switch shorts a capacitor, and one puts a source across it", "[unit
   const double expected[] = {0.0, 0.0, 7.0, 7.0, 7.0, 7.0, 0.0, 0.0, 0.0};
   for (std::size_t row = 0; row <= 8; ++row) {
     INFO("row " << row);
-    CHECK(run.at(row, 0) == Approx(expected[row]).margin(tight));
+    CHECK(run.at(row, 0) == Approx(expected[row]).margin(switching_rounding));
   }
   CHECK(run.answer.statistics.jumps == 2);
   CHECK(run.answer.statistics.events == 4);
@@ -123,8 +123,8 @@ TEST_CASE("a switch opens an inductor that has no other way", "[unit]") {
   c.save_i_l(l);
   const Run run = run_grid(c, 2.0, 4);
   CHECK(run.at(1, 0) == Approx(1.0));
-  CHECK(run.at(2, 0) == Approx(0.0).margin(tight));
-  CHECK(run.at(4, 0) == Approx(0.0).margin(tight));
+  CHECK(run.at(2, 0) == Approx(0.0).margin(switching_rounding));
+  CHECK(run.at(4, 0) == Approx(0.0).margin(switching_rounding));
   CHECK(run.answer.statistics.jumps == 1);
 }
 
@@ -177,7 +177,7 @@ TEST_CASE("inside the band the flag decides the start, outside the control", "[u
   c.r("in", "a", 1.0);
   c.s("a", "0", "g", "0", 1.0, 0.25, flag);
   c.save_v("a");
-  for (const bool uic : {false, true}) CHECK(run_grid(c, 1.0, 1, uic).at(0, 0) == Approx(closed ? 0.0 : 6.0).margin(tight));
+  for (const bool uic : {false, true}) CHECK(run_grid(c, 1.0, 1, uic).at(0, 0) == Approx(closed ? 0.0 : 6.0).margin(switching_rounding));
 }
 
 // A chain: the first switch raises the control of the second at once. No state between is simulated, and all is one event.
@@ -194,7 +194,7 @@ TEST_CASE("a switch that drives a switch", "[unit]") {
   for (const auto* node : {"a", "b", "d"}) c.save_v(node);
   const Run run = run_grid(c, 1.0, 4);
   for (std::size_t signal = 0; signal < 3; ++signal) {
-    CHECK(run.at(1, signal) == Approx(0.0).margin(tight));
+    CHECK(run.at(1, signal) == Approx(0.0).margin(switching_rounding));
     CHECK(run.at(2, signal) == Approx(1.0));
   }
   CHECK(run.answer.statistics.events == 1);
@@ -245,5 +245,5 @@ TEST_CASE("a switch follows the corners of its gate, whether anything else reads
   if (is_read) circuit.save_v("g");
   const Run run = run_grid(circuit, 4.0, 4);
   CHECK(run.answer.statistics.events == c.events);
-  CHECK(run.at(4, 0) == Approx(-10.0 * std::expm1(-c.time_on / 2.0)).epsilon(tight).margin(tight));
+  CHECK(run.at(4, 0) == Approx(-10.0 * std::expm1(-c.time_on / 2.0)).epsilon(switching_rounding).margin(switching_rounding));
 }

@@ -11,7 +11,7 @@ using namespace pwlsim::engine::sparse;
 
 namespace {
 
-constexpr double rounding = 1e-12;
+constexpr double winding_rounding = 1e-12;
 
 model::Network windings(const std::vector<double>& henries, const std::vector<model::Coupling>& couplings) {
   model::Network network;
@@ -54,11 +54,11 @@ TEST_CASE("coordinates of coupled inductors keep the energy, and give the curren
     m.push_back(product(w.coordinate(j), current));
     energy += w.inductance(j) * m.back() * m.back();
   }
-  CHECK(energy == Approx(twice_energy(network, current)).epsilon(rounding));
-  for (int i = 0; i < 4; ++i) CHECK(product(w.current(i), m) == Approx(current[static_cast<std::size_t>(i)]).epsilon(rounding));
+  CHECK(energy == Approx(twice_energy(network, current)).epsilon(winding_rounding));
+  for (int i = 0; i < 4; ++i) CHECK(product(w.current(i), m) == Approx(current[static_cast<std::size_t>(i)]).epsilon(winding_rounding));
   // flux of the first: L1 i1 + M12 i2 + M13 i3
   const double flux = 1e-3 * 0.3 - 20.0 * 0.7 * std::sqrt(1e-3 * 4e-6) - 0.01 * 0.8 * std::sqrt(1e-3 * 9.0);
-  CHECK(1e-3 * product(w.flux(0), m) == Approx(flux).epsilon(rounding));
+  CHECK(1e-3 * product(w.flux(0), m) == Approx(flux).epsilon(winding_rounding));
 }
 
 // L2 (1 − k²) of k = 1 − 2⁻²¹ is 2⁻²⁰ (1 − 2⁻²²) L2.
@@ -66,11 +66,11 @@ TEST_CASE("the leakage of a close coupling has its digits, and that of a perfect
   const double rest = std::ldexp(1.0, -20);
   const Windings close(windings({1e-3, 2e-3}, {{{}, 0, 1, 1.0 - 0.5 * rest}}));
   CHECK(close.inductance(0) == 1e-3);
-  CHECK(close.inductance(1) == Approx(2e-3 * rest * (1.0 - rest / 4.0)).epsilon(rounding));
+  CHECK(close.inductance(1) == Approx(2e-3 * rest * (1.0 - rest / 4.0)).epsilon(winding_rounding));
   const Windings perfect(windings({1e-3, 4e-3, 9e-3}, {{{}, 0, 1, 1.0}, {{}, 0, 2, -1.0}, {{}, 1, 2, -1.0}}));
   CHECK(perfect.possible());
   CHECK(perfect.inductance(1) == 0.0);
   CHECK(perfect.inductance(2) == 0.0);
-  CHECK(product(perfect.coordinate(0), {1.0, 1.0, 1.0}) == Approx(1.0 + 2.0 - 3.0).margin(rounding));
+  CHECK(product(perfect.coordinate(0), {1.0, 1.0, 1.0}) == Approx(1.0 + 2.0 - 3.0).margin(winding_rounding));
   CHECK_FALSE(Windings(windings({1e-3, 4e-3, 9e-3}, {{{}, 0, 1, 1.0}, {{}, 0, 2, 1.0}, {{}, 1, 2, -1.0}})).possible());
 }

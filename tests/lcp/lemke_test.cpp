@@ -16,11 +16,11 @@ using linalg::Vector;
 
 namespace {
 
-constexpr double agreement = 1e-9;  ///< of two ways to solve small random problems of order one
+constexpr double lemke_agreement = 1e-9;  ///< of two ways to solve small random problems of order one
 
 void check_claims(const Matrix& m, const Vector& q, const lcp::Solution& solution) {
-  CHECK((m * solution.z + q - solution.w).cwiseAbs().maxCoeff() <= agreement * (1.0 + solution.w.norm()));
-  CHECK(lcp::residual(m, q, solution.z) <= agreement);
+  CHECK((m * solution.z + q - solution.w).cwiseAbs().maxCoeff() <= lemke_agreement * (1.0 + solution.w.norm()));
+  CHECK(lcp::residual(m, q, solution.z) <= lemke_agreement);
   CHECK(std::is_sorted(solution.basis.begin(), solution.basis.end()));
   for (Eigen::Index i = 0; i < q.size(); ++i)
     if (std::find(solution.basis.begin(), solution.basis.end(), static_cast<int>(i)) == solution.basis.end()) CHECK(solution.z[i] == 0.0);
@@ -40,7 +40,7 @@ TEST_CASE("positive definite problems have the one solution that enumeration fin
     REQUIRE(expected.size() == 1);
     const lcp::Solution solution = lcp::lemke(m, q);
     REQUIRE(solution.status == Status::solved);
-    CHECK((solution.z - expected.front()).norm() <= agreement * (1.0 + expected.front().norm()));
+    CHECK((solution.z - expected.front()).norm() <= lemke_agreement * (1.0 + expected.front().norm()));
     check_claims(m, q, solution);
   }
 }
@@ -65,10 +65,10 @@ TEST_CASE("semidefinite problems are solved exactly when enumeration finds a sol
     ++solvable;
     REQUIRE(solution.status == Status::solved);
     check_claims(m, q, solution);
-    CHECK(is_among(solution.z, expected, agreement));
+    CHECK(is_among(solution.z, expected, lemke_agreement));
     // (M + Mᵀ) z is the same for all solutions of a semidefinite problem (Cottle, Pang, Stone, theorem 3.1.7).
     const Matrix symmetric = m + m.transpose();
-    CHECK((symmetric * (solution.z - expected.front())).norm() <= agreement * (1.0 + expected.front().norm()));
+    CHECK((symmetric * (solution.z - expected.front())).norm() <= lemke_agreement * (1.0 + expected.front().norm()));
   }
   CHECK(solvable > 50);
   CHECK(infeasible > 50);

@@ -22,8 +22,8 @@ using linalg::Vector;
 
 namespace {
 
-constexpr double agreement = 1e-8;  ///< of two ways to solve small random problems of order one
-constexpr double tight = 1e-14;     ///< of problems whose answers are ratios of small integers
+constexpr double solver_agreement = 1e-8;  ///< of two ways to solve small random problems of order one
+constexpr double tight = 1e-14;            ///< of problems whose answers are ratios of small integers
 
 struct Solver {
   std::string name;
@@ -65,9 +65,9 @@ TEST_CASE("every solver on every class, against enumeration", "[unit]") {
     if (!expected.empty() && (problems.promised & solver.promise) != 0) REQUIRE(solution.status == Status::solved);
     if (solution.status != Status::solved) continue;
     ++solved;
-    CHECK(is_among(solution.z, expected, agreement));
-    CHECK(lcp::residual(m, q, solution.z) <= agreement);
-    CHECK(lcp::assess(m, q, solution.z).worst() <= agreement);
+    CHECK(is_among(solution.z, expected, solver_agreement));
+    CHECK(lcp::residual(m, q, solution.z) <= solver_agreement);
+    CHECK(lcp::assess(m, q, solution.z).worst() <= solver_agreement);
   }
   CHECK(solved > 10);
   if (problems.name == "semidefinite, any") CHECK(without > 10);
@@ -107,7 +107,7 @@ TEST_CASE("a principal pivot transform keeps the solutions of w = Mz + q", "[uni
     const Vector w = m * z + q;
     Vector z_now = z, w_now = w;
     for (const int i : tableau.basis()) std::swap(z_now[i], w_now[i]);
-    CHECK((tableau.m() * z_now + tableau.q() - w_now).norm() <= agreement * (1.0 + tableau.m().norm()));
+    CHECK((tableau.m() * z_now + tableau.q() - w_now).norm() <= solver_agreement * (1.0 + tableau.m().norm()));
   }
   CHECK(exchanged > 20);
 }
@@ -157,7 +157,7 @@ TEST_CASE("the driver falls back and says so", "[unit]") {
       continue;
     }
     CHECK(answer.assessment.worst() <= lcp::acceptable_residual);
-    CHECK(is_among(answer.z, enumerate(m, q), agreement));
+    CHECK(is_among(answer.z, enumerate(m, q), solver_agreement));
     if (answer.method != Method::lemke) ++by_others;
   }
   CHECK(by_others > 5);
@@ -176,7 +176,7 @@ TEST_CASE("units of the ports do not matter", "[unit]") {
     const lcp::AssessedSolution scaled = lcp::solve(units.asDiagonal() * m * units.asDiagonal(), units.asDiagonal() * q);
     REQUIRE(plain.status == Status::solved);
     REQUIRE(scaled.status == Status::solved);
-    CHECK((units.cwiseProduct(scaled.z) - plain.z).norm() <= agreement * (1.0 + plain.z.norm()));
+    CHECK((units.cwiseProduct(scaled.z) - plain.z).norm() <= solver_agreement * (1.0 + plain.z.norm()));
     CHECK(scaled.basis == plain.basis);
   }
 }

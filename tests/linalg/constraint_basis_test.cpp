@@ -2,11 +2,12 @@
 
 #include <catch2/catch.hpp>
 
+#include "linalg/last_places.hpp"
+
 using namespace pwlsim::linalg;
+using pwlsim::test::last_places;
 
 namespace {
-
-constexpr Wide last_places = 4e-19L;
 
 WideMatrix constraints() {
   WideMatrix h(2, 5);

@@ -7,7 +7,7 @@
 using namespace pwlsim::linalg;
 
 namespace {
-constexpr double rounding = 1e-14;
+constexpr double matrix_rounding = 1e-14;
 constexpr double rank_tolerance = 1e-9;
 
 /// Rank two: the third row is the sum of the first two.
@@ -17,7 +17,7 @@ Matrix rank_two() {
   return m;
 }
 
-bool is_orthonormal(const Matrix& m) { return (m.transpose() * m - Matrix::Identity(m.cols(), m.cols())).norm() <= rounding; }
+bool is_orthonormal(const Matrix& m) { return (m.transpose() * m - Matrix::Identity(m.cols(), m.cols())).norm() <= matrix_rounding; }
 }  // namespace
 
 TEST_CASE("products of small matrices", "[unit]") {
@@ -38,11 +38,11 @@ TEST_CASE("null space and range of a matrix of rank two", "[unit]") {
   const Matrix null = null_space(m, rank_tolerance);
   CHECK(null.cols() == 2);
   CHECK(is_orthonormal(null));
-  CHECK((m * null).norm() <= rounding);
+  CHECK((m * null).norm() <= matrix_rounding);
   const Matrix range = wide_range_space(m.cast<Wide>(), rank_tolerance).cast<double>();
   CHECK(range.cols() == 2);
   CHECK(is_orthonormal(range));
-  CHECK((range * (range.transpose() * m) - m).norm() <= rounding);
+  CHECK((range * (range.transpose() * m) - m).norm() <= matrix_rounding);
 }
 
 TEST_CASE("the scale decides what counts as zero", "[unit]") {
@@ -66,10 +66,10 @@ TEST_CASE("matrices without rows or columns", "[unit]") {
 TEST_CASE("the pseudoinverse meets Penrose's four conditions", "[unit]") {
   const Matrix m = rank_two();
   const Matrix p = wide_pseudo_inverse(m.cast<Wide>(), rank_tolerance).cast<double>();
-  CHECK((m * p * m - m).norm() <= rounding);
-  CHECK((p * m * p - p).norm() <= rounding);
-  CHECK((m * p - (m * p).transpose()).norm() <= rounding);
-  CHECK((p * m - (p * m).transpose()).norm() <= rounding);
+  CHECK((m * p * m - m).norm() <= matrix_rounding);
+  CHECK((p * m * p - p).norm() <= matrix_rounding);
+  CHECK((m * p - (m * p).transpose()).norm() <= matrix_rounding);
+  CHECK((p * m - (p * m).transpose()).norm() <= matrix_rounding);
 }
 
 // Singular values of [[3, 0], [4, 5]] are √45 and √5.
@@ -80,7 +80,7 @@ TEST_CASE("norms", "[unit]") {
   CHECK(spectral_norm(m.row(1)) == Approx(std::sqrt(41.0)));
   CHECK(spectral_norm(Matrix(0, 2)) == 0.0);
   m << 0, 1, -1, 0;
-  CHECK(std::abs(logarithmic_norm(m)) <= rounding);
+  CHECK(std::abs(logarithmic_norm(m)) <= matrix_rounding);
   m << -1, 4, 0, -1;  // symmetric part [[−1, 2], [2, −1]]
   CHECK(logarithmic_norm(m) == Approx(1.0));
   CHECK(logarithmic_norm(Matrix(0, 0)) == 0.0);

@@ -12,7 +12,7 @@ using linalg::WideMatrix;
 
 namespace {
 
-constexpr Wide exact = 1e-16L;
+constexpr Wide wide_rounding = 1e-16L;
 constexpr Wide tolerance = 1e-13L;
 
 WideMatrix random(std::mt19937_64& engine, Eigen::Index rows, Eigen::Index columns) {
@@ -37,17 +37,17 @@ TEST_CASE("elimination finds rank, null spaces and solutions", "[unit]") {
       REQUIRE(right_null.cols() == q - rank);
       REQUIRE(left_null.cols() == q - rank);
       if (rank < q) {
-        CHECK((m * right_null).norm() <= exact * right_null.norm() * static_cast<Wide>(q));
-        CHECK((left_null.transpose() * m).norm() <= exact * left_null.norm() * static_cast<Wide>(q));
+        CHECK((m * right_null).norm() <= wide_rounding * right_null.norm() * static_cast<Wide>(q));
+        CHECK((left_null.transpose() * m).norm() <= wide_rounding * left_null.norm() * static_cast<Wide>(q));
         CHECK(Eigen::FullPivLU<WideMatrix>(right_null.transpose() * right_null).rank() == q - rank);
         CHECK(Eigen::FullPivLU<WideMatrix>(left_null.transpose() * left_null).rank() == q - rank);
       }
       const WideMatrix wanted = m * random(engine, q, 3);
       const WideMatrix solution = elimination.solve(wanted);
-      CHECK((m * solution - wanted).norm() <= exact * (1 + solution.norm()) * static_cast<Wide>(q));
+      CHECK((m * solution - wanted).norm() <= wide_rounding * (1 + solution.norm()) * static_cast<Wide>(q));
       if (rank == q)
         CHECK((elimination.inverse() * m - WideMatrix::Identity(q, q)).norm() <=
-              exact * elimination.inverse().norm() * static_cast<Wide>(q));
+              wide_rounding * elimination.inverse().norm() * static_cast<Wide>(q));
     }
 }
 

@@ -9,7 +9,7 @@ using namespace pwlsim::linalg;
 
 namespace {
 
-constexpr double rounding = 1e-15;
+constexpr double exponential_rounding = 1e-15;
 
 Vector applied(const Exponential& exponential, double tau, Vector y) {
   std::vector<double> work(2 * static_cast<std::size_t>(y.size()));
@@ -34,7 +34,7 @@ TEST_CASE("rotation", "[unit]") {
     INFO("tau " << tau);
     const Vector y = applied(exponential, tau, vector({1, 0}));
     // The phase ωτ itself is known to one rounding.
-    const double bound = 4 * rounding * (1.0 + omega * tau);
+    const double bound = 4 * exponential_rounding * (1.0 + omega * tau);
     CHECK(std::abs(y[0] - std::cos(omega * tau)) <= bound);
     CHECK(std::abs(y[1] - std::sin(omega * tau)) <= bound);
   }
@@ -52,8 +52,8 @@ TEST_CASE("the series goes on from derivatives that are known", "[unit]") {
       INFO("known " << known << ", tau " << tau);
       double y[2];
       REQUIRE(exponential.continue_series(powers.data(), known, tau, y));
-      CHECK(std::abs(y[0] - std::cos(omega * tau)) <= 2 * rounding);
-      CHECK(std::abs(y[1] - std::sin(omega * tau)) <= 2 * rounding);
+      CHECK(std::abs(y[0] - std::cos(omega * tau)) <= 2 * exponential_rounding);
+      CHECK(std::abs(y[1] - std::sin(omega * tau)) <= 2 * exponential_rounding);
     }
   double y[2] = {5.0, 7.0};
   CHECK_FALSE(exponential.continue_series(powers.data(), 3, 1.0, y));
@@ -69,9 +69,9 @@ TEST_CASE("a Jordan block", "[unit]") {
     const Vector y = applied(exponential, tau, vector({0, 0, 1}));
     const double decay = std::exp(-tau);
     // Rounding is that of the vector at the start, of length one.
-    CHECK(std::abs(y[0] - 0.5 * tau * tau * decay) <= 2 * rounding);
-    CHECK(std::abs(y[1] - tau * decay) <= 2 * rounding);
-    CHECK(std::abs(y[2] - decay) <= 2 * rounding);
+    CHECK(std::abs(y[0] - 0.5 * tau * tau * decay) <= 2 * exponential_rounding);
+    CHECK(std::abs(y[1] - tau * decay) <= 2 * exponential_rounding);
+    CHECK(std::abs(y[2] - decay) <= 2 * exponential_rounding);
   }
 }
 
@@ -96,9 +96,9 @@ TEST_CASE("a gain of 1e5 costs no digits", "[unit]") {
     INFO("tau " << tau);
     const Vector from_second = applied(exponential, tau, vector({0, 1}));
     CHECK(from_second[0] == Approx(-gain * std::exp(-tau) * std::expm1(-tau)).epsilon(1e-13));
-    CHECK(std::abs(from_second[1] - std::exp(-2 * tau)) <= rounding);
+    CHECK(std::abs(from_second[1] - std::exp(-2 * tau)) <= exponential_rounding);
     const Vector from_first = applied(exponential, tau, vector({1, 0}));
-    CHECK(std::abs(from_first[0] - std::exp(-tau)) <= rounding);
+    CHECK(std::abs(from_first[0] - std::exp(-tau)) <= exponential_rounding);
     CHECK(from_first[1] == 0.0);
   }
 }

@@ -15,16 +15,16 @@ LegendreSeries through(const std::function<double(double)>& f) {
   return LegendreSeries(values.data());
 }
 
-constexpr double rounding = 1e-14;
+constexpr double series_rounding = 1e-14;
 
 }  // namespace
 
 TEST_CASE("sixteen Gauss-Legendre points: the rule of Abramowitz and Stegun, table 25.4", "[unit]") {
   const GaussLegendre& rule = gauss_legendre();
-  CHECK(rule.point[8] == Approx(0.095012509837637440185).epsilon(rounding));
-  CHECK(rule.point[15] == Approx(0.989400934991649932596).epsilon(rounding));
-  CHECK(rule.weight[8] == Approx(0.189450610455068496285).epsilon(rounding));
-  CHECK(rule.weight[15] == Approx(0.027152459411754094852).epsilon(rounding));
+  CHECK(rule.point[8] == Approx(0.095012509837637440185).epsilon(series_rounding));
+  CHECK(rule.point[15] == Approx(0.989400934991649932596).epsilon(series_rounding));
+  CHECK(rule.weight[8] == Approx(0.189450610455068496285).epsilon(series_rounding));
+  CHECK(rule.weight[15] == Approx(0.027152459411754094852).epsilon(series_rounding));
   CHECK(rule.point[0] == -rule.point[15]);
 }
 
@@ -32,11 +32,11 @@ TEST_CASE("a Legendre series has the value, derivative, mean and parts of its po
   const auto f = [](double x) { return 3.0 * std::pow(x, 15) - 2.0 * std::pow(x, 4) + x - 0.25; };
   const LegendreSeries series = through(f);
   for (const double x : {-1.0, -0.3, 0.0, 0.77, 1.0}) {
-    CHECK(series(x) == Approx(f(x)).margin(rounding));
-    CHECK(series.derivative()(x) == Approx(45.0 * std::pow(x, 14) - 8.0 * std::pow(x, 3) + 1.0).margin(100.0 * rounding));
-    CHECK(series.on(-0.5, 0.25)(x) == Approx(f(-0.5 + 0.375 * (x + 1.0))).margin(rounding));
+    CHECK(series(x) == Approx(f(x)).margin(series_rounding));
+    CHECK(series.derivative()(x) == Approx(45.0 * std::pow(x, 14) - 8.0 * std::pow(x, 3) + 1.0).margin(100.0 * series_rounding));
+    CHECK(series.on(-0.5, 0.25)(x) == Approx(f(-0.5 + 0.375 * (x + 1.0))).margin(series_rounding));
   }
-  CHECK(series.mean() == Approx(-2.0 / 5.0 - 0.25).epsilon(rounding));  // ½ ∫ f
+  CHECK(series.mean() == Approx(-2.0 / 5.0 - 0.25).epsilon(series_rounding));  // ½ ∫ f
 }
 
 TEST_CASE("a constant stays so to the last place", "[unit]") {
@@ -48,7 +48,7 @@ TEST_CASE("a constant stays so to the last place", "[unit]") {
 TEST_CASE("sign changes: all simple zeros, and touches only as pairs", "[unit]") {
   const auto zeros = sign_changes(through([](double x) { return (x - 0.5) * (x + 0.25) * (x - 0.501); }), 1e-16);
   REQUIRE(zeros.size() == 3);
-  CHECK(zeros[0] == Approx(-0.25).epsilon(rounding));
+  CHECK(zeros[0] == Approx(-0.25).epsilon(series_rounding));
   CHECK(zeros[1] == Approx(0.5).epsilon(1e-12));  // the two lie close together: rounding of f / slope
   CHECK(zeros[2] == Approx(0.501).epsilon(1e-12));
   const auto touch = sign_changes(through([](double x) { return (x - 0.3) * (x - 0.3); }), 1e-15);
@@ -62,8 +62,8 @@ TEST_CASE("sign changes: all simple zeros, and touches only as pairs", "[unit]")
 
 TEST_CASE("extremes lie at zeros of the derivative or at the ends", "[unit]") {
   const Extremes found = extremes(through([](double x) { return std::pow(x, 3) - 0.75 * x; }));  // at ±½: ∓¼; at ±1: ±¼
-  CHECK(found.largest == Approx(0.25).epsilon(rounding));
-  CHECK(found.least == Approx(-0.25).epsilon(rounding));
+  CHECK(found.largest == Approx(0.25).epsilon(series_rounding));
+  CHECK(found.least == Approx(-0.25).epsilon(series_rounding));
   const Extremes tiny = extremes(through([](double x) { return std::exp(-744.0 - x); }));
   CHECK(std::abs(tiny.least) < 1e-322);  // e^-745 to e^-743, in units of 5e-324
   CHECK(std::abs(tiny.largest) < 1e-322);

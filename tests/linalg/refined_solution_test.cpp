@@ -4,14 +4,10 @@
 #include <catch2/catch.hpp>
 
 #include "linalg/doubled.hpp"
+#include "linalg/last_places.hpp"
 
 using namespace pwlsim::linalg;
-
-namespace {
-
-constexpr Wide last_places = 4e-19L;
-
-}  // namespace
+using pwlsim::test::last_places;
 
 // A current of 1 flows through 10¹² and 1/3 in series to ground: by Ohm's law the node between is at 3. The sum 10¹² + 1/3, rounded, is off by
 // 10⁻⁸, a leak of 10⁻⁷ of the small conductance.

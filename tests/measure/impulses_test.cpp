@@ -10,12 +10,12 @@ using pwlsim::test::Measured;
 
 namespace {
 
-constexpr double exact = 0.0, sparse = 1e-4;  // tolerances: which engine
+constexpr double exact_reltol = 0.0, sparse_reltol = 1e-4;  // tolerances: which engine
 /// Of numbers of order one: rounding, and what the sparse engine's Euler steps leave of a jump in circuits without a time constant.
 constexpr double rounding = 1e-14, step_error = 1e-11;
 
-Approx near(double value, double engine = exact) {
-  const double error = engine == exact ? rounding : step_error;
+Approx near_on(double value, double engine = exact_reltol) {
+  const double error = engine == exact_reltol ? rounding : step_error;
   return Approx(value).epsilon(error).margin(error);
 }
 
@@ -23,7 +23,7 @@ Approx near(double value, double engine = exact) {
 
 // Charge is kept: both capacitors end at (C1·V1 + C2·V2)/(C1 + C2), so that C1·C2/(C1 + C2)·(V1 - V2) passes the switch. At 1 s: 2·1/3·3 V.
 TEST_CASE("INTEG and AVG hold the charge that an ideal switch moves in no time", "[unit]") {
-  const double engine = GENERATE(exact, sparse);
+  const double engine = GENERATE(exact_reltol, sparse_reltol);
   const Measured m = measure_deck(
       "two capacitors\nC1 a 0 2 ic=3\nC2 b 0 1 ic=0\nS1 a b g 0 SW\nVg g 0 PULSE(0 1 1 0 0 9 0)\n.model SW SW(Vt=0.5)\n.tran 1 4 "
       "uic\n.save v(a)\n"
@@ -32,72 +32,72 @@ TEST_CASE("INTEG and AVG hold the charge that an ideal switch moves in no time",
       ".meas before INTEG i(S1) TO=1\n.meas after INTEG i(S1) FROM=1\n.meas later INTEG i(S1) FROM=1.5\n.meas product INTEG i(S1)*i(S1)\n",
       engine);
   REQUIRE(m.messages.empty());
-  CHECK(m.value.at("through") == near(2.0, engine));
-  CHECK(m.value.at("into") == near(2.0, engine));
-  CHECK(m.value.at("out") == near(-2.0, engine));
-  CHECK(m.value.at("mean") == near(2.0 / 4.0, engine));
-  CHECK(m.value.at("sum") == near(3.0 * 4.0 - 2.0 * 2.0 / 4.0 - 2.0, engine));
-  CHECK(m.value.at("before") == near(0.0, engine));
-  CHECK(m.value.at("after") == near(2.0, engine));
-  CHECK(m.value.at("later") == near(0.0, engine));
-  CHECK(m.value.at("product") == near(0.0, engine));  // not defined: left out, and said
+  CHECK(m.value.at("through") == near_on(2.0, engine));
+  CHECK(m.value.at("into") == near_on(2.0, engine));
+  CHECK(m.value.at("out") == near_on(-2.0, engine));
+  CHECK(m.value.at("mean") == near_on(2.0 / 4.0, engine));
+  CHECK(m.value.at("sum") == near_on(3.0 * 4.0 - 2.0 * 2.0 / 4.0 - 2.0, engine));
+  CHECK(m.value.at("before") == near_on(0.0, engine));
+  CHECK(m.value.at("after") == near_on(2.0, engine));
+  CHECK(m.value.at("later") == near_on(0.0, engine));
+  CHECK(m.value.at("product") == near_on(0.0, engine));  // not defined: left out, and said
   CHECK(m.result("product").left_out == "the impulse at t = 1 s: i(S1)*i(S1) has no integral over it");
   CHECK(m.result("through").left_out.empty());
 }
 
 // C·ΔV; of two capacitors in series across the source C1·C2/(C1 + C2)·ΔV, and the source carries the sum, backwards.
 TEST_CASE("INTEG holds the charge that a step of a source moves", "[unit]") {
-  const double engine = GENERATE(exact, sparse);
+  const double engine = GENERATE(exact_reltol, sparse_reltol);
   const Measured m = measure_deck(
       "step\nV1 a 0 PULSE(1 4 1 0 0 2 0)\nC1 a 0 2\nC2 a b 3\nC3 b 0 6\nR1 a 0 1\n.tran 1 5\n.save v(a)\n"
       ".meas up INTEG i(C1) TO=2\n.meas whole INTEG i(C1)\n.meas series INTEG i(C3) TO=2\n.meas source INTEG i(V1) TO=2\n.meas load INTEG "
       "i(R1) TO=2\n",
       engine);
   REQUIRE(m.messages.empty());
-  CHECK(m.value.at("up") == near(2.0 * 3.0, engine));
-  CHECK(m.value.at("whole") == near(0.0, engine));
-  CHECK(m.value.at("series") == near(3.0 * 6.0 / 9.0 * 3.0, engine));
-  CHECK(m.value.at("load") == near(1.0 + 4.0, engine));
-  CHECK(m.value.at("source") == near(-(6.0 + 6.0 + 5.0), engine));
+  CHECK(m.value.at("up") == near_on(2.0 * 3.0, engine));
+  CHECK(m.value.at("whole") == near_on(0.0, engine));
+  CHECK(m.value.at("series") == near_on(3.0 * 6.0 / 9.0 * 3.0, engine));
+  CHECK(m.value.at("load") == near_on(1.0 + 4.0, engine));
+  CHECK(m.value.at("source") == near_on(-(6.0 + 6.0 + 5.0), engine));
 }
 
 // At t = 0 the step starts from the operating point, 1 V; with uic it belongs to the start.
 TEST_CASE("a step at t = 0 counts, unless the run starts with uic", "[unit]") {
-  const double engine = GENERATE(exact, sparse);
+  const double engine = GENERATE(exact_reltol, sparse_reltol);
   const std::string deck = "start\nV1 a 0 PULSE(1 4 0 0 0 9 0)\nC1 a 0 2\n.save v(a)\n.meas q INTEG i(C1)\n.tran 1 2";
-  CHECK(measure_deck(deck + "\n", engine).value.at("q") == near(2.0 * 3.0, engine));
-  CHECK(measure_deck(deck + " uic\n", engine).value.at("q") == near(0.0, engine));
+  CHECK(measure_deck(deck + "\n", engine).value.at("q") == near_on(2.0 * 3.0, engine));
+  CHECK(measure_deck(deck + " uic\n", engine).value.at("q") == near_on(0.0, engine));
 }
 
 // L·ΔI of a current source's step through an inductor; a ramp before and after it has C·dv/dt of its own.
 TEST_CASE("fluxes of steps, and steps between ramps", "[unit]") {
-  const double engine = GENERATE(exact, sparse);
+  const double engine = GENERATE(exact_reltol, sparse_reltol);
   const Measured flux =
       measure_deck("flux\nI1 0 a PULSE(1 3 1 0 0 9 0)\nL1 a 0 5\n.tran 1 2\n.save i(L1)\n.meas flux INTEG v(a)\n", engine);
   REQUIRE(flux.messages.empty());
-  CHECK(flux.value.at("flux") == near(5.0 * 2.0, engine));
+  CHECK(flux.value.at("flux") == near_on(5.0 * 2.0, engine));
   const Measured ramp = measure_deck("ramp\nV1 a 0 PWL(0 0 1 1 1 5 2 7)\nC1 a 0 2\n.tran 1 3\n.save v(a)\n.meas q INTEG i(C1)\n", engine);
   REQUIRE(ramp.messages.empty());
-  CHECK(ramp.value.at("q") == near(2.0 * 7.0, engine));
+  CHECK(ramp.value.at("q") == near_on(2.0 * 7.0, engine));
 }
 
 // A diode takes over between two capacitors: 4 V steps onto C1 through D1 into C2 at rest; both end at C1 and C2 in series, 2·1/3·(4 V) through the diode.
 TEST_CASE("a diode passes a charge where a source's step and its own impulse come together", "[unit]") {
-  const double engine = GENERATE(exact, sparse);
+  const double engine = GENERATE(exact_reltol, sparse_reltol);
   const Measured m = measure_deck(
       "pump\nV1 a 0 PULSE(0 4 1 0 0 9 0)\nC1 a b 2\nD1 b c DI\nC2 c 0 1\n.model DI D\n.tran 1 2 uic\n.save v(c)\n"
       ".meas diode INTEG i(D1)\n.meas first INTEG i(C1)\n.meas source INTEG i(V1)\n",
       engine);
   REQUIRE(m.messages.empty());
-  CHECK(m.value.at("diode") == near(2.0 / 3.0 * 4.0, engine));
-  CHECK(m.value.at("first") == near(2.0 / 3.0 * 4.0, engine));
-  CHECK(m.value.at("source") == near(-2.0 / 3.0 * 4.0, engine));
+  CHECK(m.value.at("diode") == near_on(2.0 / 3.0 * 4.0, engine));
+  CHECK(m.value.at("first") == near_on(2.0 / 3.0 * 4.0, engine));
+  CHECK(m.value.at("source") == near_on(-2.0 / 3.0 * 4.0, engine));
 }
 
 // A source of V gives C·V² while an ideal switch puts an empty C across it: its voltage is the same before and after the impulse. Of what the switch
 // takes, half of that, only a shape of the impulse could tell.
 TEST_CASE("a product holds an impulse whose factor is steady, and says when it is not", "[unit]") {
-  const double engine = GENERATE(exact, sparse);
+  const double engine = GENERATE(exact_reltol, sparse_reltol);
   const Measured m = measure_deck(
       "charge\nV1 in 0 4\nS1 in b g 0 SW\nC1 b 0 2\nVg g 0 PULSE(0 1 1 0 0 9 0)\n.model SW SW(Vt=0.5)\n.tran 1 4 uic\n.save v(b)\n"
       ".meas given INTEG -v(in)*i(V1)\n.meas atbegin AVG -v(in)*i(V1) FROM=1\n.meas scaled INTEG (3-v(in)/2)*i(S1)+v(in)*0.5\n"
@@ -105,9 +105,9 @@ TEST_CASE("a product holds an impulse whose factor is steady, and says when it i
       ".meas rate AVG v(b)*v(b)\n.meas late INTEG v(in,b)*i(S1) FROM=1.5\n",
       engine);
   REQUIRE(m.messages.empty());
-  CHECK(m.value.at("given") == near(2.0 * 4.0 * 4.0, engine));
-  CHECK(m.value.at("atbegin") == near(2.0 * 4.0 * 4.0 / 3.0, engine));
-  CHECK(m.value.at("scaled") == near((3.0 - 4.0 / 2.0) * 8.0 + 4.0 * 4.0 * 0.5, engine));
+  CHECK(m.value.at("given") == near_on(2.0 * 4.0 * 4.0, engine));
+  CHECK(m.value.at("atbegin") == near_on(2.0 * 4.0 * 4.0 / 3.0, engine));
+  CHECK(m.value.at("scaled") == near_on((3.0 - 4.0 / 2.0) * 8.0 + 4.0 * 4.0 * 0.5, engine));
   for (const char* steady : {"given", "atbegin", "scaled", "least", "rate", "late"}) CHECK(m.result(steady).left_out.empty());
   CHECK(m.result("lost").left_out == "the impulse at t = 1 s: v(in,b)*i(S1) has no integral over it");
   CHECK(m.result("moved").left_out == "the impulse at t = 1 s: abs(i(S1)) has no integral over it");
@@ -117,7 +117,7 @@ TEST_CASE("a product holds an impulse whose factor is steady, and says when it i
 
 // The supply of a charge pump: D1 fills C1 again at each fall of the clock, by an impulse. Energy = 5 V times charge.
 TEST_CASE("the energy of a supply is its voltage times the charge, impulses and all", "[unit]") {
-  const double engine = GENERATE(exact, sparse);
+  const double engine = GENERATE(exact_reltol, sparse_reltol);
   const Measured m = measure_deck(
       "pump\nVin in 0 5\nVc clk 0 PULSE(0 5 0 0 0 5u 10u)\nD1 in a DI\nC1 a clk 1u\nD2 a b DI\nC2 b 0 2u\nRL b 0 1k\n.model DI D\n.tran 1u "
       "0.2m\n"
@@ -125,7 +125,7 @@ TEST_CASE("the energy of a supply is its voltage times the charge, impulses and 
       ".meas clock INTEG -v(clk)*i(Vc)\n",
       engine);
   REQUIRE(m.messages.empty());
-  CHECK(m.value.at("flow") == near(0.0, engine));
+  CHECK(m.value.at("flow") == near_on(0.0, engine));
   CHECK(m.value.at("charge") > 1e-7);  // 10 µA flow into the load at most times, for 0.2 ms
   CHECK(m.value.at("energy") == Approx(5.0 * m.value.at("charge")).epsilon(step_error));
   CHECK(m.result("energy").left_out.empty());
@@ -134,21 +134,21 @@ TEST_CASE("the energy of a supply is its voltage times the charge, impulses and 
 
 // q δ(t − t0) in a window of length T: mean q/T, every harmonic 2q/T with the phase 90° − k·360°·t0/T of a sine.
 TEST_CASE(".four holds impulses, and their distortion has no bound", "[unit]") {
-  const double engine = GENERATE(exact, sparse);
+  const double engine = GENERATE(exact_reltol, sparse_reltol);
   const Measured m =
       measure_deck("impulse\nV1 a 0 PULSE(0 3 1 0 0 9 0)\nC1 a 0 2\n.tran 1 8\n.save v(a)\n.four 0.125 5 i(C1) v(a)\n", engine);
   REQUIRE(m.messages.empty());
   REQUIRE(m.results.fourier.size() == 2);
   const auto& current = m.results.fourier[0];
   REQUIRE(current.harmonics.size() == 6);
-  CHECK(current.harmonics[0].magnitude == near(6.0 / 8.0, engine));
+  CHECK(current.harmonics[0].magnitude == near_on(6.0 / 8.0, engine));
   for (std::size_t k = 1; k < current.harmonics.size(); ++k) {
     const double phase = 90.0 - 45.0 * static_cast<double>(k);
-    CHECK(current.harmonics[k].magnitude == near(2.0 * 6.0 / 8.0, engine));
-    CHECK(current.harmonics[k].phase == near(phase, engine).margin(360.0 * step_error));
+    CHECK(current.harmonics[k].magnitude == near_on(2.0 * 6.0 / 8.0, engine));
+    CHECK(current.harmonics[k].phase == near_on(phase, engine).margin(360.0 * step_error));
   }
   CHECK(std::isinf(current.total_distortion));
-  CHECK(current.listed_distortion == near(2.0, engine));
+  CHECK(current.listed_distortion == near_on(2.0, engine));
   CHECK(std::isfinite(m.results.fourier[1].total_distortion));
 }
 
@@ -167,10 +167,10 @@ TEST_CASE("where derivatives of impulses act, measurements of what takes part in
     INFO(name);
     CHECK_THAT(m.result(name).failure, Catch::StartsWith("impulses of higher order act at t = "));
   }
-  CHECK(m.value.at("before") == near(0.0));
-  CHECK(m.value.at("after") == near(0.0));
-  CHECK(m.value.at("x2") == near(-1.0));       // x1(2) - x1(0)
-  CHECK(m.value.at("x1") == near(1.0 / 2.0));  // of 1 - t to t = 1
+  CHECK(m.value.at("before") == near_on(0.0));
+  CHECK(m.value.at("after") == near_on(0.0));
+  CHECK(m.value.at("x2") == near_on(-1.0));       // x1(2) - x1(0)
+  CHECK(m.value.at("x1") == near_on(1.0 / 2.0));  // of 1 - t to t = 1
   CHECK_FALSE(m.result("most").left_out.empty());
   REQUIRE(m.results.fourier.size() == 2);
   CHECK_THAT(m.results.fourier[0].failure, Catch::StartsWith("impulses of higher order act at t = "));

@@ -7,10 +7,9 @@
 
 using namespace pwlsim;
 using measure::SolutionRecord;
+using std::numbers::pi;
 
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 /// The pieces of sin(2π t) and of the straight line t from 0 to `end`.
 void feed(SolutionRecord& record, double end, int pieces) {

@@ -16,9 +16,9 @@ using linalg::Wide;
 using linalg::WideMatrix;
 using linalg::WideVector;
 
-constexpr Wide rounding = 64 * 1.084202172485504e-19L;  ///< of a sum of a few products, in units of its terms
-constexpr Wide rank_tolerance = 1e-10L;                 ///< pivots of an equilibrated block
-constexpr double share_of_norm = 0.1;                   ///< an error of x counts in every entry by this share of its norm
+constexpr Wide sum_rounding = 64 * 1.084202172485504e-19L;  ///< of a sum of a few products, in units of its terms
+constexpr Wide rank_tolerance = 1e-10L;                     ///< pivots of an equilibrated block
+constexpr double share_of_norm = 0.1;                       ///< an error of x counts in every entry by this share of its norm
 constexpr int most_enumerated = 10;
 
 enum class Side : char { undetermined, active, inactive };
@@ -113,7 +113,7 @@ class CascadeSteps {
     const WideMatrix size_a = c_.a_.cwiseAbs();
     const WideMatrix size_c = c_.c_.cwiseAbs();
     for (int j = 0; j <= c_.n_ + deepest; ++j) {
-      free_.push_back({c_.c_ * power, size_c * (error + rounding * bound)});
+      free_.push_back({c_.c_ * power, size_c * (error + sum_rounding * bound)});
       power = c_.a_ * power;
       error = size_a * error;
       bound = size_a * bound;
@@ -188,7 +188,7 @@ class CascadeSteps {
         const auto row = c_.markov_[static_cast<std::size_t>(j - m)].row(i);
         const Value& u = branch.u[static_cast<std::size_t>(m - first_)];
         z.v[i] += row.dot(u.v);
-        z.error[i] += row.cwiseAbs().dot(u.error + rounding * u.v.cwiseAbs());
+        z.error[i] += row.cwiseAbs().dot(u.error + sum_rounding * u.v.cwiseAbs());
       }
     }
     return z;
@@ -209,7 +209,7 @@ class CascadeSteps {
     const WideMatrix through = n(s.open, s.active) * s.inverse;
     s.schur = linalg::wide_clean_sum(n(s.open, s.open), through, -WideMatrix(n(s.active, s.open)));
     s.right.v = s.z.v(s.open) - through * s.z.v(s.active);
-    s.right.error = s.z.error(s.open) + through.cwiseAbs() * (s.z.error(s.active) + rounding * s.z.v(s.active).cwiseAbs());
+    s.right.error = s.z.error(s.open) + through.cwiseAbs() * (s.z.error(s.active) + sum_rounding * s.z.v(s.active).cwiseAbs());
     for (Eigen::Index i = 0; i < s.right.v.size(); ++i)
       if (std::abs(s.right.v[i]) <= s.right.error[i]) s.right.v[i] = 0;
 
@@ -259,9 +259,9 @@ class CascadeSteps {
     Value u{WideVector::Zero(open), WideVector::Zero(open)};
     const WideVector of_basis = -(inverse * s.right.v(basis));
     u.v(basis) = of_basis;
-    u.error(basis) = inverse.cwiseAbs() * (s.right.error(basis) + rounding * (s.schur(basis, basis).cwiseAbs() * of_basis.cwiseAbs()));
+    u.error(basis) = inverse.cwiseAbs() * (s.right.error(basis) + sum_rounding * (s.schur(basis, basis).cwiseAbs() * of_basis.cwiseAbs()));
     Value y{s.right.v + s.schur * u.v,
-            s.right.error + s.schur.cwiseAbs() * (u.error + rounding * u.v.cwiseAbs()) + rounding * s.right.v.cwiseAbs()};
+            s.right.error + s.schur.cwiseAbs() * (u.error + sum_rounding * u.v.cwiseAbs()) + sum_rounding * s.right.v.cwiseAbs()};
     for (const int i : basis) y.v[i] = y.error[i] = 0;
     Branch result = branch;
     for (Eigen::Index i = 0; i < open; ++i) {
@@ -280,7 +280,7 @@ class CascadeSteps {
     const WideVector left = s.z.v(s.active) + coupling * u.v;
     const WideVector size = s.z.v(s.active).cwiseAbs() + coupling.cwiseAbs() * u.v.cwiseAbs();
     all.v(s.active) = -(s.inverse * left);
-    all.error(s.active) = s.inverse.cwiseAbs() * (s.z.error(s.active) + coupling.cwiseAbs() * u.error + rounding * size);
+    all.error(s.active) = s.inverse.cwiseAbs() * (s.z.error(s.active) + coupling.cwiseAbs() * u.error + sum_rounding * size);
     result.u.push_back(std::move(all));
     next.push_back(std::move(result));
     return true;

@@ -15,16 +15,10 @@ using model::Verdict;
 
 namespace {
 
-constexpr double tight = 1e-15;
+constexpr double jump_rounding = 1e-15;
 constexpr double noise_of_state = 3e-14;
 
 Cascade cascade_of(const model::System& s) { return {s.a, s.b, s.c, s.d}; }
-
-Vector vector(std::initializer_list<double> values) {
-  Vector v(static_cast<Eigen::Index>(values.size()));
-  std::copy(values.begin(), values.end(), v.data());
-  return v;
-}
 
 }  // namespace
 
@@ -43,7 +37,7 @@ TEST_CASE("5: the cascade on all 27 sign patterns of the two carts", "[hard]") {
         REQUIRE(all.verdict == Verdict::unique);
         const auto& jump = all.continuations.front();
         CHECK(jump.jumps == (x3 < 0.0));
-        CHECK((jump.state_after - vector({0.0, x2, std::max(x3, 0.0), x4})).norm() <= tight);
+        CHECK((jump.state_after - vector({0.0, x2, std::max(x3, 0.0), x4})).norm() <= jump_rounding);
         if (x3 < 0.0) {
           CHECK(smooth.verdict == Verdict::none);
           CHECK(jump.active.contains(0));
@@ -75,7 +69,7 @@ TEST_CASE("6: an impulse of second order", "[hard]") {
   REQUIRE(all.verdict == Verdict::unique);
   CHECK(all.continuations.front().jumps);
   CHECK(all.continuations.front().active.contains(0));
-  CHECK(all.continuations.front().state_after.norm() <= tight);
+  CHECK(all.continuations.front().state_after.norm() <= jump_rounding);
 }
 
 // y = q − u, q a constant state: two solutions for q > 0, none for q < 0 (hard case 34).

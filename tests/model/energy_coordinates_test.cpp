@@ -14,7 +14,7 @@ using model::StateSpace;
 
 namespace {
 
-constexpr double tight = 1e-13;
+constexpr double coordinate_rounding = 1e-13;
 
 /// The island with the most energy stores.
 model::Island main_island(const model::Network& network) {
@@ -43,11 +43,11 @@ TEST_CASE("two capacitors and a diode", "[hard]") {
   REQUIRE(s.states[1].terms.size() == 1);
   CHECK(s.states[1].terms[0].element == "C2");
   CHECK(s.states[1].terms[0].is_voltage);
-  CHECK(s.states[1].terms[0].coefficient == Approx(std::sqrt(2.0)).epsilon(tight));
+  CHECK(s.states[1].terms[0].coefficient == Approx(std::sqrt(2.0)).epsilon(coordinate_rounding));
   CHECK(s.a.norm() == 0.0);
-  CHECK(s.b(0, 0) == Approx(-1.0).epsilon(tight));
-  CHECK(s.b(1, 0) == Approx(std::sqrt(0.5)).epsilon(tight));
-  CHECK((s.c - s.b.transpose()).norm() <= tight);
+  CHECK(s.b(0, 0) == Approx(-1.0).epsilon(coordinate_rounding));
+  CHECK(s.b(1, 0) == Approx(std::sqrt(0.5)).epsilon(coordinate_rounding));
+  CHECK((s.c - s.b.transpose()).norm() <= coordinate_rounding);
   CHECK(s.d(0, 0) == 0.0);
 }
 
@@ -63,9 +63,9 @@ TEST_CASE("a capacitive divider has one state, a mixture of both voltages", "[ha
   REQUIRE(s.states.size() == 1);
   REQUIRE(s.states[0].terms.size() == 2);
   const double sign = s.states[0].terms[1].coefficient > 0.0 ? 1.0 : -1.0;
-  CHECK(sign * s.states[0].terms[0].coefficient == Approx(-c1 / std::sqrt(c1 + c2)).epsilon(tight));
-  CHECK(sign * s.states[0].terms[1].coefficient == Approx(c2 / std::sqrt(c1 + c2)).epsilon(tight));
-  CHECK(s.a(0, 0) == Approx(-1.0 / (r * (c1 + c2))).epsilon(tight));
+  CHECK(sign * s.states[0].terms[0].coefficient == Approx(-c1 / std::sqrt(c1 + c2)).epsilon(coordinate_rounding));
+  CHECK(sign * s.states[0].terms[1].coefficient == Approx(c2 / std::sqrt(c1 + c2)).epsilon(coordinate_rounding));
+  CHECK(s.a(0, 0) == Approx(-1.0 / (r * (c1 + c2))).epsilon(coordinate_rounding));
 }
 
 // Two windings with k = 1 share one flux: energy ½(√L1 i1 + √L2 i2)².
@@ -80,8 +80,8 @@ TEST_CASE("perfectly coupled inductors have one state", "[unit]") {
   REQUIRE(s.states.size() == 1);
   REQUIRE(s.states[0].terms.size() == 2);
   CHECK_FALSE(s.states[0].terms[0].is_voltage);
-  CHECK(std::abs(s.states[0].terms[0].coefficient) == Approx(std::sqrt(l1)).epsilon(tight));
-  CHECK(std::abs(s.states[0].terms[1].coefficient) == Approx(std::sqrt(l2)).epsilon(tight));
+  CHECK(std::abs(s.states[0].terms[0].coefficient) == Approx(std::sqrt(l1)).epsilon(coordinate_rounding));
+  CHECK(std::abs(s.states[0].terms[1].coefficient) == Approx(std::sqrt(l2)).epsilon(coordinate_rounding));
   // x' = −x/(L1/R1 + L2/R2)
   CHECK(s.a(0, 0) == Approx(-1.0 / (l1 / 3.0 + l2 / 5.0)).epsilon(1e-12));
 }
@@ -99,11 +99,11 @@ TEST_CASE("only what a loop ties together is mixed", "[unit]") {
   CHECK(s.states[0].terms[0].element == "C1");
   REQUIRE(s.states[1].terms.size() == 2);
   // √(C2+C3)·v as (C2 v2 + C3 v3)/√(C2+C3)
-  CHECK(s.states[1].terms[0].coefficient == Approx(0.5).epsilon(tight));
-  CHECK(s.states[1].terms[1].coefficient == Approx(1.5).epsilon(tight));
-  CHECK(s.a(0, 0) == Approx(-0.5).epsilon(tight));
-  CHECK(s.a(1, 1) == Approx(-0.25).epsilon(tight));
-  CHECK(s.a(0, 1) == Approx(1.0 / std::sqrt(8.0)).epsilon(tight));
+  CHECK(s.states[1].terms[0].coefficient == Approx(0.5).epsilon(coordinate_rounding));
+  CHECK(s.states[1].terms[1].coefficient == Approx(1.5).epsilon(coordinate_rounding));
+  CHECK(s.a(0, 0) == Approx(-0.5).epsilon(coordinate_rounding));
+  CHECK(s.a(1, 1) == Approx(-0.25).epsilon(coordinate_rounding));
+  CHECK(s.a(0, 1) == Approx(1.0 / std::sqrt(8.0)).epsilon(coordinate_rounding));
 }
 
 // C discharges through a contact of 2 Ω, or not at all; another source's current follows the contact's.
@@ -116,7 +116,7 @@ TEST_CASE("a closed contact is a resistor, an open one nothing", "[unit]") {
   c.g("a", "0", "a", "0", 0.0);
   c.network().injections.back().current = {{model::Term::Kind::switch_current, contact, 3.0}};
   const model::Island island = main_island(c.network());
-  CHECK(space_of(model::in_position(island, {0})).a(0, 0) == Approx(-1.0 / 400.0).epsilon(tight));
+  CHECK(space_of(model::in_position(island, {0})).a(0, 0) == Approx(-1.0 / 400.0).epsilon(coordinate_rounding));
   // Four times the contact's current leaves the node.
-  CHECK(space_of(model::in_position(island, {1})).a(0, 0) == Approx(-(4.0 / 2.0 + 0.01) / 4.0).epsilon(tight));
+  CHECK(space_of(model::in_position(island, {1})).a(0, 0) == Approx(-(4.0 / 2.0 + 0.01) / 4.0).epsilon(coordinate_rounding));
 }

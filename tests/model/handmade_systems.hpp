@@ -2,6 +2,7 @@
 /// Linear complementarity systems written down by hand: the examples of van der Schaft and Schumacher (1996) and others whose
 /// continuation is known in closed form.
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -77,6 +78,12 @@ inline TwoRates rates(double delta) {
   const double r = 1.0 / delta, half = 0.5 * (2.0 + r);
   const double fast = -half - std::sqrt(half * half - (5.0 + r));
   return {fast, (5.0 + r) / fast};
+}
+
+inline model::Vector vector(std::initializer_list<double> values) {
+  model::Vector v(static_cast<Eigen::Index>(values.size()));
+  std::copy(values.begin(), values.end(), v.data());
+  return v;
 }
 
 inline model::IndexSet set_of(int ports, std::initializer_list<int> members) {

@@ -15,7 +15,7 @@ using model::Vector;
 
 namespace {
 
-constexpr double tight = 1e-12;
+constexpr double selection_rounding = 1e-12;
 
 struct Outcome {
   model::Selected selected;
@@ -31,12 +31,6 @@ Outcome select(const model::System& system, Vector x, const model::IndexSet& bef
   if (outcome.selected.mode) outcome.u = outcome.selected.mode->k * x;
   // The mode belongs to the selector, which ends here.
   return outcome;
-}
-
-Vector vector(std::initializer_list<double> values) {
-  Vector v(static_cast<Eigen::Index>(values.size()));
-  std::copy(values.begin(), values.end(), v.data());
-  return v;
 }
 
 }  // namespace
@@ -55,11 +49,11 @@ TEST_CASE("5: all 27 sign patterns of the two carts at the stop", "[hard]") {
         const Outcome o = select(system, vector({0.0, x2, x3, x4}),
                                  set_of(1, stuck_before ? std::initializer_list<int>{0} : std::initializer_list<int>{}));
         REQUIRE(o.selected.outcome == SelectionOutcome::found);
-        CHECK((o.x - vector({0.0, x2, jumped, x4})).norm() <= tight);
+        CHECK((o.x - vector({0.0, x2, jumped, x4})).norm() <= selection_rounding);
         CHECK(o.selected.jumps == (x3 < 0.0 ? 1 : 0));
-        CHECK(o.u[0] == Approx(decisive < 0.0 ? -x2 : 0.0).margin(tight));
+        CHECK(o.u[0] == Approx(decisive < 0.0 ? -x2 : 0.0).margin(selection_rounding));
         const Vector rate = system.a * o.x + system.b * o.u;
-        CHECK(rate[2] == Approx(decisive > 0.0 ? x2 : 0.0).margin(tight));
+        CHECK(rate[2] == Approx(decisive > 0.0 ? x2 : 0.0).margin(selection_rounding));
       }
 }
 
@@ -76,14 +70,14 @@ TEST_CASE("4: a small push decides against a large pull of higher order", "[hard
 TEST_CASE("3: jump in one mode, continuation in another", "[hard]") {
   const Outcome o = select(carts(), vector({0.0, 1.0, -1.0, 0.0}), set_of(1, {}));
   REQUIRE(o.selected.outcome == SelectionOutcome::found);
-  CHECK((o.x - vector({0.0, 1.0, 0.0, 0.0})).norm() <= tight);
-  CHECK(o.u[0] == Approx(0.0).margin(tight));
+  CHECK((o.x - vector({0.0, 1.0, 0.0, 0.0})).norm() <= selection_rounding);
+  CHECK(o.u[0] == Approx(0.0).margin(selection_rounding));
 }
 
 TEST_CASE("6: the triple integrator jumps to zero by an impulse of higher order", "[hard]") {
   const Outcome o = select(triple_integrator(), vector({0.0, -1.0, 0.0}), set_of(1, {}));
   REQUIRE(o.selected.outcome == SelectionOutcome::found);
-  CHECK(o.x.norm() <= tight);
+  CHECK(o.x.norm() <= selection_rounding);
   CHECK(o.selected.jumps == 1);
 }
 
@@ -99,7 +93,7 @@ TEST_CASE("8, 9: a relay of the wrong sign has three ways on, of the right sign 
     for (const auto* system : {&wrong, &right}) {
       const Outcome o = select(*system, vector({x, 1.0}), set_of(2, {}));
       REQUIRE(o.selected.outcome == SelectionOutcome::found);
-      CHECK(o.u[0] == Approx(x > 0.0 ? 0.0 : 1.0).margin(tight));
+      CHECK(o.u[0] == Approx(x > 0.0 ? 0.0 : 1.0).margin(selection_rounding));
     }
 }
 
@@ -155,11 +149,11 @@ TEST_CASE("13: twisting decides right at every switching", "[hard]") {
     x = on_speed_axis ? vector({x1, 0.0, 1.0}) : vector({0.0, x2, 1.0});
     time += duration;
   }
-  CHECK(time == Approx((1.0 + 2.0 / std::sqrt(3.0)) * (1.0 - 1.0 / 243.0)).epsilon(tight));  // (1/√3)¹⁰ of it is still to come
+  CHECK(time == Approx((1.0 + 2.0 / std::sqrt(3.0)) * (1.0 - 1.0 / 243.0)).epsilon(selection_rounding));  // (1/√3)¹⁰ of it is still to come
   Vector rest = vector({0.0, 0.0, 1.0});
   const model::Selected at_rest = selector.select(rest.data(), before, -1);
   REQUIRE(at_rest.outcome == SelectionOutcome::found);
-  CHECK((system.a * rest + system.b * (at_rest.mode->k * rest)).norm() <= tight);
+  CHECK((system.a * rest + system.b * (at_rest.mode->k * rest)).norm() <= selection_rounding);
 }
 
 // Normals n1 = (1, 0), n2 = (½, √3/2); the plastic impact of Moreau from v = (−1, 0.2) at the corner stops the first direction only.
@@ -171,7 +165,7 @@ TEST_CASE("14: an obtuse corner", "[hard]") {
   c.leftCols(2) << 1.0, 0.0, 0.5, s;
   const Outcome o = select(handmade(a, b, c, Matrix::Zero(2, 2)), vector({0.0, 0.0, -1.0, 0.2}), set_of(2, {}));
   REQUIRE(o.selected.outcome == SelectionOutcome::found);
-  CHECK((o.x - vector({0.0, 0.0, 0.0, 0.2})).norm() <= tight);
+  CHECK((o.x - vector({0.0, 0.0, 0.0, 0.2})).norm() <= selection_rounding);
 }
 
 // The same corner: both guards fall, so the rule J = (I \ Γ2) ∪ Γ1 closes both stops and v⁺ = 0. n1 μ1 + n2 μ2 = (1, −0.2) has
@@ -190,10 +184,10 @@ TEST_CASE("14: the rule takes both stops, and one of them adheres", "[hard]") {
   const model::Mode& mode = selector.modes().mode(both);
   REQUIRE(mode.regular);
   const Vector after = mode.projector * before;
-  CHECK(after.norm() <= tight);
+  CHECK(after.norm() <= selection_rounding);
   const Vector multipliers = b.bottomRows(2).fullPivLu().solve(after.tail(2) - before.tail(2));
-  CHECK(multipliers[0] == Approx(1.0 + 0.2 / std::sqrt(3.0)).epsilon(tight));
-  CHECK(multipliers[1] == Approx(-0.4 / std::sqrt(3.0)).epsilon(tight));
+  CHECK(multipliers[0] == Approx(1.0 + 0.2 / std::sqrt(3.0)).epsilon(selection_rounding));
+  CHECK(multipliers[1] == Approx(-0.4 / std::sqrt(3.0)).epsilon(selection_rounding));
 }
 
 // x'' = 2 + u, 0 ≤ u ⊥ x − 1.5 t² ≥ 0, from rest: u = 1 holds it on the parabola. States x, x', p = 1.5 t², p', p''.

@@ -17,24 +17,24 @@ using linalg::Vector;
 
 constexpr double clear = 1e-6;  ///< of numbers near one: what is nearer to zero decides nothing
 
-enum class Verdict { yes, no, open };
+enum class Solved { yes, no, open };
 
 /// Whether 0 ≤ u ⊥ q + D u ≥ 0 has a solution with that active set, by its equations written out.
-Verdict solves(const Matrix& d, const Vector& q, unsigned active) {
+Solved solves(const Matrix& d, const Vector& q, unsigned active) {
   std::vector<int> on, off;
   for (int i = 0; i < q.size(); ++i) ((active >> static_cast<unsigned>(i)) & 1U ? on : off).push_back(i);
   Vector u = Vector::Zero(q.size());
   if (!on.empty()) {
     const Eigen::FullPivLU<Matrix> factors(Matrix(d(on, on)));
     const auto last = static_cast<Eigen::Index>(on.size()) - 1;
-    if (std::abs(factors.matrixLU()(last, last)) < clear) return Verdict::open;
+    if (std::abs(factors.matrixLU()(last, last)) < clear) return Solved::open;
     u(on) = -factors.solve(Vector(q(on)));
   }
   const Vector y = q + d * u;
   double least = 1.0;
   for (const int i : on) least = std::min(least, u[i]);
   for (const int i : off) least = std::min(least, y[i]);
-  return least > clear ? Verdict::yes : least < -clear ? Verdict::no : Verdict::open;
+  return least > clear ? Solved::yes : least < -clear ? Solved::no : Solved::open;
 }
 
 IndexSet set_of(unsigned active, int ports) {
@@ -55,16 +55,16 @@ TEST_CASE("neighbours at an instant: as the equations of each say", "[unit]") {
     const Vector q = Vector::NullaryExpr(ports, [&] { return random.between(-0.5, 1.0); });
     System system = test::handmade(Matrix::Zero(ports, ports), Matrix::Zero(ports, ports), Matrix::Identity(ports, ports), d);
     for (unsigned active = 0; active < 1U << ports; ++active) {
-      if (solves(d, q, active) != Verdict::yes) continue;
+      if (solves(d, q, active) != Solved::yes) continue;
       const StaticNeighbours neighbours(system, set_of(active, ports), q.data(), q.norm());
       for (int i = 0; i < ports; ++i)
         for (int j = i; j < ports; ++j) {
           const unsigned flips = 1U << static_cast<unsigned>(i) | 1U << static_cast<unsigned>(j);
-          const Verdict expected = solves(d, q, active ^ flips);
-          if (expected == Verdict::open) continue;
+          const Solved expected = solves(d, q, active ^ flips);
+          if (expected == Solved::open) continue;
           CAPTURE(active, i, j);
-          CHECK((i == j ? neighbours.may_flip(i) : neighbours.may_flip(i, j)) == (expected == Verdict::yes));
-          ++(expected == Verdict::yes ? solutions : refusals);
+          CHECK((i == j ? neighbours.may_flip(i) : neighbours.may_flip(i, j)) == (expected == Solved::yes));
+          ++(expected == Solved::yes ? solutions : refusals);
         }
     }
   }

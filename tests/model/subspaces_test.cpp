@@ -13,7 +13,7 @@ using model::Vector;
 
 namespace {
 
-constexpr double tight = 1e-13;
+constexpr double projector_rounding = 1e-13;
 
 /// Rounded to double, which is how the tests compute.
 struct Rounded {
@@ -48,9 +48,9 @@ TEST_CASE("two carts: V and T have two dimensions each", "[unit]") {
   Vector x(4), jumped(4);
   x << 0.0, -1.0, -1.0, 2.0;
   jumped << 0.0, -1.0, 0.0, 2.0;
-  CHECK((s.projector * x - jumped).norm() <= tight);
+  CHECK((s.projector * x - jumped).norm() <= projector_rounding);
   // At the stop u must carry the spring of the second cart: x3' = x2 + u = 0.
-  CHECK(std::abs((s.feedback * jumped)[0] - 1.0) <= tight);
+  CHECK(std::abs((s.feedback * jumped)[0] - 1.0) <= projector_rounding);
   CHECK(s.free_inputs.cols() == 0);
 }
 
@@ -59,7 +59,7 @@ TEST_CASE("triple integrator: V is nothing, T everything", "[unit]") {
   REQUIRE(s.regular);
   CHECK(s.dim_v == 0);
   CHECK(s.dim_t == 3);
-  CHECK(s.projector.norm() <= tight);
+  CHECK(s.projector.norm() <= projector_rounding);
 }
 
 // Two capacitors that a diode joins: in units of charge over √C the jump keeps the total charge (hard case 19: 3 V on 1 F, 0 V on 2 F).
@@ -73,7 +73,7 @@ TEST_CASE("two capacitors in parallel: an orthogonal projection that keeps the c
   REQUIRE(s.regular);
   CHECK(s.dim_v == 1);
   CHECK(s.dim_t == 1);
-  CHECK((s.projector - s.projector.transpose()).norm() <= tight);
+  CHECK((s.projector - s.projector.transpose()).norm() <= projector_rounding);
   Vector x(2);
   x << 3.0 * std::sqrt(c1), 0.0;
   const Vector after = s.projector * x;
@@ -102,7 +102,7 @@ TEST_CASE("two equal ports leave a direction of the input free", "[unit]") {
   const Rounded s = all_active(handmade(a, b, c, Matrix::Zero(2, 2)));
   REQUIRE(s.regular);
   REQUIRE(s.free_inputs.cols() == 1);
-  CHECK(std::abs(s.free_inputs(0, 0) + s.free_inputs(1, 0)) <= tight);
+  CHECK(std::abs(s.free_inputs(0, 0) + s.free_inputs(1, 0)) <= projector_rounding);
 }
 
 TEST_CASE("a mode whose V and T do not fill the space is not regular", "[unit]") {

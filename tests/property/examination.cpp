@@ -14,10 +14,10 @@ namespace {
 
 using Kind = NetworkPart::Kind;
 
-constexpr double certificate_bound = 1e-9;  ///< relative residuals
-constexpr double agreement = 1e-9;          ///< of two runs, relative to the largest value of a signal
-constexpr double nothing = 0x1p-49;         ///< of 10 V or 10 mA, eight units of the last place: rounding of a state that is zero
-constexpr double small_share = 1e-3;        ///< see scales()
+constexpr double certificate_bound = 1e-9;    ///< relative residuals
+constexpr double run_agreement = 1e-9;        ///< of two runs, relative to the largest value of a signal
+constexpr double rounding_of_zero = 0x1p-49;  ///< of 10 V or 10 mA, eight units of the last place: rounding of a state that is zero
+constexpr double small_share = 1e-3;          ///< see scales()
 constexpr double energy_slack = 1e-11;  ///< of the energy at the start: rounding in proportion to the radians of a lossless run, some 10⁴
 constexpr std::uint64_t steps = 60;
 
@@ -77,7 +77,7 @@ Finding compare(const RandomNetwork& network, const ProgramRun& a, const Program
   double worst = 0.0;
   std::string detail;
   for (std::size_t i = 0; i < states.size(); ++i) {
-    const double scale = std::max(scale_of[i], nothing / agreement * typical_state(states[i]));
+    const double scale = std::max(scale_of[i], rounding_of_zero / run_agreement * typical_state(states[i]));
     for (std::size_t k = 0; k < a.rows.size(); ++k) {
       const double error = std::abs(a.rows[k][i + 1] - b.rows[k * stride][i + 1]);
       if (error <= worst * scale) continue;
@@ -86,7 +86,7 @@ Finding compare(const RandomNetwork& network, const ProgramRun& a, const Program
                            scale);
     }
   }
-  return worst <= agreement ? Finding{} : Finding{Finding::Kind::wrong, what, detail};
+  return worst <= run_agreement ? Finding{} : Finding{Finding::Kind::wrong, what, detail};
 }
 
 Finding check_energy(const RandomNetwork& network, const std::vector<std::vector<double>>& rows) {

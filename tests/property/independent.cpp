@@ -16,8 +16,7 @@ using Real = ResistiveNetwork::Real;
 
 constexpr Real one = 1;
 
-constexpr double clock_threshold = 0.5;
-constexpr double slack = 1e-18;        ///< of a diode's voltage or current, relative to the terms it is the sum of
+constexpr double diode_slack = 1e-18;  ///< of a diode's voltage or current, relative to the terms it is the sum of
 constexpr double widest_slack = 1e-6;  ///< where no position solves a step with less: potentials of floating parts while a current jumps
 /// Two positions within the slack σ lead to states whose distance has an energy below h·σ·v·i: relative to all energy, √σ in the states.
 constexpr double same_states = 1e-5;
@@ -26,8 +25,6 @@ constexpr int most_diodes_examined = 8;
 constexpr int examined_every = 16;
 constexpr int doublings = 8;  ///< of the steps after an edge until they are as long as all others
 constexpr int samples_in_segment = 3;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Value at t, by the piece of the function in which `inside` lies: at an edge, the limit from its side.
 double value_at(const model::Dc& dc, double, double) { return dc.value; }
@@ -79,8 +76,8 @@ class Step {
     ResistiveNetwork step = frame_;
     fill(step, x, end, h, inside);
     const auto before = position_;
-    auto e = step.solve(position_, slack);
-    for (double wider = slack; e.empty() && wider < widest_slack; wider *= 1e3) e = step.solve(position_, wider * 1e3);
+    auto e = step.solve(position_, diode_slack);
+    for (double wider = diode_slack; e.empty() && wider < widest_slack; wider *= 1e3) e = step.solve(position_, wider * 1e3);
     if (e.empty()) return false;
     const bool changed = position_ != before;
     if (examine_all && (changed || ++unexamined_ >= examined_every)) {
@@ -150,7 +147,7 @@ class Step {
     const auto chosen = states(e, x, h);
     for (ResistiveNetwork::Position position = 0; position < step.positions(); ++position) {
       if (position == position_) continue;
-      const auto other = step.potentials(position, slack);
+      const auto other = step.potentials(position, diode_slack);
       if (other.empty()) continue;
       const auto next = states(other, x, h);
       double difference = 0.0, energy = 0.0;

@@ -15,15 +15,15 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double agreement = 1e-7;  ///< of the largest √energy
-constexpr int networks = 300;       ///< of a family
+constexpr double segment_agreement = 1e-7;  ///< of the largest √energy
+constexpr int networks_of_family = 300;     ///< of a family
 constexpr int networks_with_other_shifts = 100;
-constexpr int others = 1000;  ///< after the first thousand
+constexpr int later_networks = 1000;  ///< after the first thousand
 /// Of the largest voltage that sources can drive through all resistors, and of the largest current: states that are smaller all the time are their rounding, as the
 /// voltage of a capacitor in a loop that carries nothing, between nodes at 2 kV.
 constexpr double rounding_share = 1e-6;
 
-enum class Kind { agrees, named, silent };
+enum class Answer { agrees, named, silent };
 
 struct Sizes {
   double voltage = 0.0, current = 0.0;
@@ -46,7 +46,7 @@ Sizes sizes_of(const RandomNetwork& network) {
 }
 
 struct Outcome {
-  Kind kind = Kind::agrees;
+  Answer kind = Answer::agrees;
   std::string what;
 };
 
@@ -56,11 +56,11 @@ Outcome run_both(const RandomNetwork& network, double shift_factor = 1.0) {
   const ProgramRun exact = run_program(to_model(network), times);
   if (exact.finding.kind != Finding::Kind::fine) return {};
   const ProgramRun segments = run_program_segments(to_model(network), times, shift_factor);
-  if (segments.finding.kind != Finding::Kind::fine) return {Kind::named, segments.finding.what + " " + segments.finding.detail};
+  if (segments.finding.kind != Finding::Kind::fine) return {Answer::named, segments.finding.what + " " + segments.finding.detail};
   const Sizes sizes = sizes_of(network);
   const double apart =
       energy_distance(network, exact, segments, {.voltage = rounding_share * sizes.voltage, .current = rounding_share * sizes.current});
-  return {apart <= agreement ? Kind::agrees : Kind::silent, "differs by " + Catch::StringMaker<double>::convert(apart)};
+  return {apart <= segment_agreement ? Answer::agrees : Answer::silent, "differs by " + Catch::StringMaker<double>::convert(apart)};
 }
 
 /// `allowed`: so many may end in an error.
@@ -71,9 +71,9 @@ void check_networks(const std::string& name, int first, int count, int allowed, 
   for (int i = 0; i < count; ++i) {
     const std::uint64_t seed = f.first_seed + static_cast<std::uint64_t>(first + i);
     const Outcome outcome = run_both(make_random_network(seed, f.recipe), shift_factor);
-    if (outcome.kind == Kind::agrees) continue;
-    ++(outcome.kind == Kind::named ? named : silent);
-    failures += "\n  " + std::to_string(seed) + (outcome.kind == Kind::silent ? ", silent: " : ": ") + outcome.what;
+    if (outcome.kind == Answer::agrees) continue;
+    ++(outcome.kind == Answer::named ? named : silent);
+    failures += "\n  " + std::to_string(seed) + (outcome.kind == Answer::silent ? ", silent: " : ": ") + outcome.what;
   }
   INFO(name << ": " << count - named - silent << " agree, " << named << " end in an error, " << silent << " are wrong without one"
             << failures);
@@ -88,7 +88,7 @@ TEST_CASE("random networks by Krylov segments agree with the exact engine, or en
   static const std::map<std::string, int> most_named{{"all parts", 0},   {"no sources", 0}, {"little resistance", 1},
                                                      {"many diodes", 0}, {"floating", 0},   {"up to twelve ports", 1}};
   const auto [name, allowed] = GENERATE(from_range(most_named));
-  check_networks(name, 0, networks, allowed);
+  check_networks(name, 0, networks_of_family, allowed);
 }
 
 // Nothing but cost may depend on the shifts that segments take: half a rung up and down the ladder, of which each rung is four times the one before.
@@ -118,7 +118,7 @@ TEST_CASE("networks that were wrong by Krylov segments agree", "[property]") {
                                                                         {42963, "floating"}}));
   const Outcome outcome = run_both(make_random_network(seed, family(name).recipe));
   INFO(seed << ": " << outcome.what);
-  CHECK(outcome.kind == Kind::agrees);
+  CHECK(outcome.kind == Answer::agrees);
 }
 
 // A loop whose only switch opens carries nothing but what the currents at its nodes leave to rounding, and nothing else flows: with half the usual shifts the signs of that led 8e-6 off
@@ -127,7 +127,7 @@ TEST_CASE("a network in which nothing flows but rounding agrees by Krylov segmen
   const double shift_factor = GENERATE(0.5, 1.0, 2.0);
   const Outcome outcome = run_both(make_random_network(20088, family("little resistance").recipe), shift_factor);
   INFO("shifts times " << shift_factor << ": " << outcome.what);
-  CHECK(outcome.kind == Kind::agrees);
+  CHECK(outcome.kind == Answer::agrees);
 }
 
 // What solutions lose where rows of far larger terms take part in the elimination is in their residual, and they are corrected by it.
@@ -136,7 +136,7 @@ TEST_CASE("networks whose solutions by Krylov segments lose digits are corrected
       GENERATE(table<std::uint64_t, std::string>({{21785, "little resistance"}, {41045, "floating"}, {41568, "floating"}}));
   const Outcome outcome = run_both(make_random_network(seed, family(name).recipe));
   INFO(seed << ": " << outcome.what);
-  CHECK(outcome.kind == Kind::agrees);
+  CHECK(outcome.kind == Answer::agrees);
 }
 
 // What only an inductor and a diode in series tie to the rest carries nothing, whatever the diode does: their current is rounding, and the impulse with which a start current goes lifts all
@@ -146,19 +146,19 @@ TEST_CASE("networks in which nothing closes a loop through a diode agree by Kryl
       {{11961, "no sources"}, {41538, "floating"}, {41554, "floating"}, {41993, "floating"}, {71057, "up to twelve ports"}}));
   const Outcome outcome = run_both(make_random_network(seed, family(name).recipe));
   INFO(seed << ": " << outcome.what);
-  CHECK(outcome.kind == Kind::agrees);
+  CHECK(outcome.kind == Answer::agrees);
 }
 
 // A jump in steps of 10⁻¹¹ of the usual length, whose impulses left states no digits, was 2e-4 off.
 TEST_CASE("a network without a position by Krylov segments ends in an error", "[property]") {
   const Outcome outcome = run_both(make_random_network(40969, family("floating").recipe));
   INFO(outcome.what);
-  CHECK(outcome.kind != Kind::silent);
+  CHECK(outcome.kind != Answer::silent);
 }
 
 TEST_CASE("1,000 other networks of each family by Krylov segments", "[property][long]") {
   static const std::map<std::string, int> most_named{{"all parts", 2},   {"no sources", 0}, {"little resistance", 0},
                                                      {"many diodes", 2}, {"floating", 0},   {"up to twelve ports", 2}};
   const auto [name, allowed] = GENERATE(from_range(most_named));
-  check_networks(name, others, others, allowed);
+  check_networks(name, later_networks, later_networks, allowed);
 }

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double patience = 5.0;  ///< s of the processor's time, which other programs do not take; runs need about a millisecond
 
-struct Rows : engine::RowSink {
+struct KeptRows : engine::RowSink {
   bool write(std::span<const double> values, std::size_t count) override {
     const std::size_t width = values.size() / count;
     for (std::size_t i = 0; i < count; ++i)
@@ -51,7 +51,7 @@ ProgramRun run_engine(const std::vector<double>& times, bool events, const Engin
   request.progress = [&](double) {
     if (processor_seconds() - start > patience) interrupt = 1;
   };
-  Rows rows;
+  KeptRows rows;
   run.answer = engine_run(request, rows);
   run.rows = std::move(rows.rows);
   if (run.answer.outcome == engine::Outcome::interrupted)

@@ -16,7 +16,6 @@ using Kind = NetworkPart::Kind;
 
 // Units in which the middle of every range is one: 1 kΩ, 1 ms, 10 V.
 constexpr double resistance_unit = 1e3, time_unit = 1e-3, voltage_unit = 10.0;
-constexpr double clock_threshold = 0.5;
 
 /// Three digits are enough to make a network generic, and keep its deck short.
 double rounded(double value) { return std::strtod(fmt::format("{:.3g}", value).c_str(), nullptr); }

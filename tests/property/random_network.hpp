@@ -17,6 +17,8 @@
 
 namespace pwlsim::test {
 
+constexpr double clock_threshold = 0.5;
+
 struct NetworkPart {
   enum class Kind { resistor, capacitor, inductor, diode, switch_, voltage, current };
   Kind kind = Kind::resistor;
@@ -25,7 +27,7 @@ struct NetworkPart {
   double value = 0.0;    ///< Ω, F, H; of a voltage source its series resistance, of a diode its Ron, of a switch nothing
   double leak = 0.0;     ///< Ω, of a diode: its Roff; 0: none
   double initial = 0.0;  ///< V of a capacitor, A of an inductor, with uic
-  std::string waveform;  ///< of a source, or of the clock of a switch (threshold 0.5), as the deck writes it
+  std::string waveform;  ///< of a source, or of the clock of a switch (see clock_threshold), as the deck writes it
   model::SourceFunction function;
 
   [[nodiscard]] bool is_state() const { return kind == Kind::capacitor || kind == Kind::inductor; }

@@ -15,8 +15,6 @@ using RealVector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
 /// Share of terms that cancelled, before a potential or current was left, in what counts as its size.
 constexpr Real cancelled = 1e-4L;
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// One position of the diodes.
 class Trial {
  public:

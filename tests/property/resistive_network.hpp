@@ -14,9 +14,13 @@
 /// Nothing of the program is used here: no waves, no reduction to the ports, no pivoting.
 
 #include <Eigen/Dense>
+#include <cstddef>
 #include <vector>
 
 namespace pwlsim::test {
+
+/// As an index of a vector.
+[[nodiscard]] inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 class ResistiveNetwork {
  public:

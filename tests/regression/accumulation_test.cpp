@@ -12,7 +12,7 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double exact = 1e-12;  ///< of values and times of order one
+constexpr double accumulation_bound = 1e-12;  ///< of values and times of order one
 
 }  // namespace
 
@@ -25,12 +25,12 @@ TEST_CASE("case 13: twisting comes to rest at t = 1 + 2/sqrt 3, through infinite
   for (const auto& row : run.rows) {
     INFO("t = " << row[0]);
     const Place expected = twisted(row[0]);
-    CHECK(std::abs(row[1] - expected.x) <= exact);
-    CHECK(std::abs(row[2] - expected.v) <= exact);
+    CHECK(std::abs(row[1] - expected.x) <= accumulation_bound);
+    CHECK(std::abs(row[2] - expected.v) <= accumulation_bound);
   }
-  CHECK(run.answer.certificate.complementarity <= exact);
-  CHECK(run.answer.certificate.kcl_kvl <= exact);
-  CHECK(run.answer.certificate.energy <= exact);
+  CHECK(run.answer.certificate.complementarity <= accumulation_bound);
+  CHECK(run.answer.certificate.kcl_kvl <= accumulation_bound);
+  CHECK(run.answer.certificate.energy <= accumulation_bound);
 }
 
 TEST_CASE("case 13: the limit has a row before and after, at its time", "[hard]") {
@@ -39,10 +39,10 @@ TEST_CASE("case 13: the limit has a row before and after, at its time", "[hard]"
   const double limit = 1.0 + 2.0 / std::sqrt(3.0);
   int found = 0;
   for (const auto& row : run.rows)
-    if (std::abs(row[0] - limit) <= exact * limit) {
+    if (std::abs(row[0] - limit) <= accumulation_bound * limit) {
       ++found;
-      CHECK(std::abs(row[1]) <= exact);
-      CHECK(std::abs(row[2]) <= exact);
+      CHECK(std::abs(row[1]) <= accumulation_bound);
+      CHECK(std::abs(row[2]) <= accumulation_bound);
     }
   CHECK(found == 2);
 }
@@ -60,8 +60,8 @@ TEST_CASE("case 13 by segments, beside a passive part with events of its own: th
     for (const auto& row : run->rows) {
       INFO("t = " << row[0]);
       const Place expected = twisted(row[0]);
-      CHECK(std::abs(row[1] - expected.x) <= exact);
-      CHECK(std::abs(row[2] - expected.v) <= exact);
+      CHECK(std::abs(row[1] - expected.x) <= accumulation_bound);
+      CHECK(std::abs(row[2] - expected.v) <= accumulation_bound);
     }
   }
 }
@@ -77,8 +77,8 @@ TEST_CASE("case 13 with friction: the ratio is not constant", "[hard]") {
     if (run.rows[i][0] == run.rows[i - 1][0]) last = run.rows[i][0];
   constexpr double crossing_error = 1e-11, limit = 1.9795625684615682159;  // of the limit, which is found a millionth of the run ahead
   CHECK(last == Approx(limit).epsilon(0).margin(crossing_error));
-  CHECK(std::abs(run.rows.back()[1]) <= exact);
-  CHECK(std::abs(run.rows.back()[2]) <= exact);
+  CHECK(std::abs(run.rows.back()[1]) <= accumulation_bound);
+  CHECK(std::abs(run.rows.back()[2]) <= accumulation_bound);
   const DeckRun segments = run_text_segments(twisting_deck(" - 0.3*V(v)", "0.25 3"));
   INFO(segments.messages << segments.answer.message);
   REQUIRE(segments.answer.outcome == engine::Outcome::completed);
@@ -88,8 +88,8 @@ TEST_CASE("case 13 with friction: the ratio is not constant", "[hard]") {
   REQUIRE(remark != segments.answer.remarks.end());
   constexpr double told_error = 1e-9;  // from a group of events earlier, as nearer ones have fewer digits there
   CHECK(std::stod(remark->text.substr(remark->text.find("= ") + 2)) == Approx(limit).epsilon(0).margin(told_error));
-  CHECK(std::abs(segments.rows.back()[1]) <= exact);
-  CHECK(std::abs(segments.rows.back()[2]) <= exact);
+  CHECK(std::abs(segments.rows.back()[1]) <= accumulation_bound);
+  CHECK(std::abs(segments.rows.back()[2]) <= accumulation_bound);
 }
 
 // The spring of the first term only acts beyond 3e-5: the motion comes to rest inside the play after finitely many events, however long the run.
@@ -104,7 +104,7 @@ TEST_CASE("a sequence that ends is no accumulation, in a run of any length", "[u
   REQUIRE(endless.answer.outcome == engine::Outcome::completed);
   CHECK(brief.answer.statistics.accumulations == 0);
   CHECK(endless.answer.statistics.accumulations == 0);
-  CHECK(std::abs(brief.rows.back()[1] - endless.rows.back()[1]) <= exact);
+  CHECK(std::abs(brief.rows.back()[1] - endless.rows.back()[1]) <= accumulation_bound);
   CHECK(std::abs(brief.rows.back()[1]) <= 1.5e-5);  // where the spring is weaker than the friction
 }
 
@@ -121,10 +121,10 @@ TEST_CASE("a jump at the start tells what was before the source stepped", "[unit
     const DeckRun run = run_at(delay);
     REQUIRE(run.answer.outcome == engine::Outcome::completed);
     REQUIRE(run.answer.jumps.size() == 1);
-    CHECK(std::abs(run.answer.jumps[0].energy_before) <= exact);
-    for (const auto& state : run.answer.jumps[0].states) CHECK(std::abs(state.before) <= exact);
+    CHECK(std::abs(run.answer.jumps[0].energy_before) <= accumulation_bound);
+    for (const auto& state : run.answer.jumps[0].states) CHECK(std::abs(state.before) <= accumulation_bound);
     // C1 in series with C2 and C3 in parallel: v(b) = 3·1/(1 + 3).
-    CHECK(std::abs(run.rows.back()[1] - 0.75) <= exact);
+    CHECK(std::abs(run.rows.back()[1] - 0.75) <= accumulation_bound);
   }
 }
 
@@ -133,8 +133,8 @@ TEST_CASE("a run that ends, or a source that moves, before the limit follows the
     REQUIRE(run.answer.outcome == engine::Outcome::completed);
     CHECK(run.answer.statistics.accumulations == 0);
     const Place expected = twisted(2.1);
-    CHECK(std::abs(run.rows.back()[1] - expected.x) <= exact);
-    CHECK(std::abs(run.rows.back()[2] - expected.v) <= exact);
+    CHECK(std::abs(run.rows.back()[1] - expected.x) <= accumulation_bound);
+    CHECK(std::abs(run.rows.back()[2] - expected.v) <= accumulation_bound);
   }
 }
 

@@ -15,7 +15,7 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double exact = 1e-12;  ///< of values of order one
+constexpr double block_bound = 1e-12;  ///< of values of order one
 constexpr double two_pi = 2.0 * std::numbers::pi;
 
 using Function = std::function<double(double)>;
@@ -29,7 +29,7 @@ void check_nodes(const std::string& cards, const std::vector<Function>& nodes) {
   for (std::size_t k = 0; k < nodes.size(); ++k)
     for (const auto& row : run.rows) {
       INFO(run.signals[k] << " at t = " << row[0]);
-      CHECK(row[k + 1] == Approx(nodes[k](row[0])).margin(exact).epsilon(exact));
+      CHECK(row[k + 1] == Approx(nodes[k](row[0])).margin(block_bound).epsilon(block_bound));
     }
 }
 
@@ -87,8 +87,8 @@ TEST_CASE("blocks keep their states however fast they are beside large resistors
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
   for (const auto& row : run.rows) {
     const double turns = rate * row[0];
-    for (const int low_pass : {1, 2}) CHECK(row[low_pass] == Approx(-std::expm1(-turns)).margin(exact));
-    CHECK(row[3] == Approx(turns).margin(exact));
+    for (const int low_pass : {1, 2}) CHECK(row[low_pass] == Approx(-std::expm1(-turns)).margin(block_bound));
+    CHECK(row[3] == Approx(turns).margin(block_bound));
   }
 }
 
@@ -136,9 +136,9 @@ TEST_CASE("1, raw: the carts need no circuit", "[hard]") {
   REQUIRE(run.messages.empty());
   CHECK(run.signals == std::vector<std::string>{"x(s,1)", "x(s,2)", "x(s,3)", "x(s,4)", "u(s,1)", "y(s,1)"});
   for (const auto& row : run.rows) {
-    CHECK(row[2] == Approx(-std::cos(row[0])).margin(exact));
-    CHECK(row[3] == Approx(0.0).margin(exact));
-    CHECK(row[5] == Approx(std::cos(row[0])).margin(exact));
+    CHECK(row[2] == Approx(-std::cos(row[0])).margin(block_bound));
+    CHECK(row[3] == Approx(0.0).margin(block_bound));
+    CHECK(row[5] == Approx(std::cos(row[0])).margin(block_bound));
   }
 }
 
@@ -147,7 +147,7 @@ TEST_CASE("6, raw: an impulse of higher order", "[hard]") {
   REQUIRE(run.messages.empty());
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
   for (const auto& row : run.rows)
-    for (std::size_t k = 1; k <= 3; ++k) CHECK(std::abs(row[k]) <= exact);
+    for (std::size_t k = 1; k <= 3; ++k) CHECK(std::abs(row[k]) <= block_bound);
 }
 
 // A mass that reaches a stop at speed −1 stays there: the stop takes its momentum.
@@ -171,7 +171,7 @@ TEST_CASE("34, 35, raw: problems without states", "[hard]") {
   const DeckRun cycling = run_raw("D\n1 0 2\n2 1 0\n0 2 1\nF\n-1\n-1\n-1\nw\nDC 1\n", ".save u(s,1) u(s,2) u(s,3)\n.tran 0.5 1\n");
   REQUIRE(cycling.messages.empty());
   for (const auto& row : cycling.rows)
-    for (std::size_t k = 1; k <= 3; ++k) CHECK(row[k] == Approx(1.0 / 3.0).margin(exact));
+    for (std::size_t k = 1; k <= 3; ++k) CHECK(row[k] == Approx(1.0 / 3.0).margin(block_bound));
 }
 
 // x' = 2 + u with y = x1 - 1.5 t²: the support accelerates by 3 and carries the mass, u = 1.
@@ -180,7 +180,7 @@ TEST_CASE("15, raw: a support that accelerates", "[hard]") {
       run_raw("A\n0 1 0 0\n0 0 0 0\n0 0 0 1\n0 0 0 0\nB\n0\n1\n0\n0\nC\n1 0 -1 0\nE\n0\n2\n0\n3\nw\nDC 1\nF\n0\n", ".tran 0.25 1\n");
   REQUIRE(run.messages.empty());
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
-  for (const auto& row : run.rows) CHECK(row[1] == Approx(1.5 * row[0] * row[0]).margin(exact));
+  for (const auto& row : run.rows) CHECK(row[1] == Approx(1.5 * row[0] * row[0]).margin(block_bound));
 }
 
 // x1 turns with x2 at 10^10 rad/s from (1, 0): x1 = cos, x2 = -sin; x3' = -10^12 x3 beside x4' = -x4.
@@ -190,10 +190,10 @@ TEST_CASE("a raw system keeps its fast states", "[regression]") {
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
   for (const auto& row : run.rows) {
     const double t = row[0];
-    CHECK(row[1] == Approx(std::cos(1e10 * t)).margin(exact));
-    CHECK(row[2] == Approx(-std::sin(1e10 * t)).margin(exact));
-    CHECK(row[3] == Approx(std::exp(-1e12 * t)).margin(exact));
-    CHECK(row[4] == Approx(std::exp(-t)).margin(exact));
+    CHECK(row[1] == Approx(std::cos(1e10 * t)).margin(block_bound));
+    CHECK(row[2] == Approx(-std::sin(1e10 * t)).margin(block_bound));
+    CHECK(row[3] == Approx(std::exp(-1e12 * t)).margin(block_bound));
+    CHECK(row[4] == Approx(std::exp(-t)).margin(block_bound));
   }
 }
 

@@ -14,7 +14,7 @@ namespace {
 using namespace pwlsim;
 
 /// Of the largest value of a signal. A loop that amplifies rounding from one period to the next loses digits.
-constexpr double expected = 1e-6;
+constexpr double loop_agreement = 1e-6;
 /// V and A beside 12 V: a loop that stays off shows its leaks, and their rounding.
 constexpr double least_size = 1e-6;
 
@@ -36,7 +36,7 @@ void check_loops(std::uint64_t first, std::uint64_t count, int ways) {
       const test::DeckRun twin = test::run_text(other.text);
       REQUIRE((twin.answer.outcome == engine::Outcome::completed) == ends);
       REQUIRE(twin.rows.size() == run.rows.size());
-      CHECK(test::largest_difference(run, twin, least_size) <= expected);
+      CHECK(test::largest_difference(run, twin, least_size) <= loop_agreement);
     }
   }
   CHECK(static_cast<double>(completed) >= least_completed * static_cast<double>(count));
@@ -51,7 +51,7 @@ void check_engines(std::uint64_t seed) {
   REQUIRE(modes.answer.outcome == engine::Outcome::completed);
   REQUIRE(segments.answer.outcome == engine::Outcome::completed);
   REQUIRE(steps.answer.outcome == engine::Outcome::completed);
-  CHECK(test::largest_difference(modes, segments, least_size) <= expected);
+  CHECK(test::largest_difference(modes, segments, least_size) <= loop_agreement);
   CHECK(test::largest_difference(modes, steps, least_size) <= most);
 }
 
@@ -74,7 +74,7 @@ TEST_CASE("converters in closed loop agree between dense modes and Krylov segmen
     REQUIRE(segments.rows.size() == modes.rows.size());
     modes.rows.erase(modes.rows.begin());
     segments.rows.erase(segments.rows.begin());
-    CHECK(test::largest_difference(modes, segments, least_size) <= expected);
+    CHECK(test::largest_difference(modes, segments, least_size) <= loop_agreement);
   }
 }
 
@@ -83,7 +83,7 @@ TEST_CASE("a diode that turns on faster than times have digits is on no wrong si
   const test::ClosedLoop loop = test::random_closed_loop(147, 0);
   INFO(loop.text);
   const auto [modes, segments] = test::run_both(loop.text);
-  CHECK(test::largest_difference(modes, segments, least_size) <= expected);
+  CHECK(test::largest_difference(modes, segments, least_size) <= loop_agreement);
 }
 
 // Half bridges of ideal switches: what opens one is an inverter of what closes the other, so that both short-circuit the source while the logic is on its way.

@@ -19,9 +19,9 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double exact = 1e-12;  ///< of values of order one
-constexpr double pi = std::numbers::pi;
-constexpr double phi = std::numbers::phi;
+constexpr double example_bound = 1e-12;  ///< of values of order one
+using std::numbers::phi;
+using std::numbers::pi;
 
 const std::filesystem::path source_folder = PWLSIM_SOURCE_DIR;
 
@@ -38,7 +38,7 @@ class Page {
   explicit Page(const std::string& name) : text_(in_one_line(text_of("docs/concepts/" + name + ".md"))) {}
 
   /// `value` agrees with `formula`, and the page has its size with as many digits as `format` says.
-  void states(double value, double formula, std::string_view format, double tolerance = exact) const {
+  void states(double value, double formula, std::string_view format, double tolerance = example_bound) const {
     CHECK(std::abs(value - formula) <= tolerance * std::max(1.0, std::abs(formula)));
     shows(fmt::format(fmt::runtime(format), std::abs(formula)));
   }
@@ -72,7 +72,7 @@ double at(const DeckRun& run, double time, std::size_t signal) {
 }
 
 /// Times of pairs of rows.
-std::vector<double> events_of(const DeckRun& run) {
+std::vector<double> event_times_of(const DeckRun& run) {
   std::vector<double> times;
   for (std::size_t i = 1; i < run.rows.size(); ++i)
     if (run.rows[i][0] == run.rows[i - 1][0]) times.push_back(run.rows[i][0]);
@@ -108,18 +108,18 @@ TEST_CASE("concepts, ports: each port finds its side", "[regression]") {
   const auto position = inspected("docs/concepts/clamp_and_tank.net").positions.at(0);
   CHECK(position.ports[0].input_is_current);
   CHECK_FALSE(position.ports[1].input_is_current);
-  CHECK(distance(position.space.a, {0.0, -0.25, 0.25, 0.0}) <= exact);
-  CHECK(distance(position.space.b, {std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.125)}) <= exact);
-  CHECK((position.space.c - position.space.b.transpose()).norm() <= exact);
+  CHECK(distance(position.space.a, {0.0, -0.25, 0.25, 0.0}) <= example_bound);
+  CHECK(distance(position.space.b, {std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.125)}) <= example_bound);
+  CHECK((position.space.c - position.space.b.transpose()).norm() <= example_bound);
   CHECK(position.space.d.norm() == 0.0);
-  CHECK(distance(position.markov.parameters.at(1), {0.5, 0.0, 0.0, 0.125}) <= exact);
+  CHECK(distance(position.markov.parameters.at(1), {0.5, 0.0, 0.0, 0.125}) <= example_bound);
   const Page page("ports");
   page.shows("diag(0.5, 0.125)");
   const DeckRun run = run_of("docs/concepts/clamp_and_tank.net", true);
-  const auto events = events_of(run);
+  const auto events = event_times_of(run);
   REQUIRE(events.size() == 1);
   page.states(events[0], 2.0 * pi, "t = 2π = {:.6f}");
-  for (const auto& row : run.rows) CHECK(std::abs(row[1] - (row[0] < 2.0 * pi ? std::cos(row[0] / 4.0) : 0.0)) <= exact);
+  for (const auto& row : run.rows) CHECK(std::abs(row[1] - (row[0] < 2.0 * pi ? std::cos(row[0] / 4.0) : 0.0)) <= example_bound);
   page.states(at(run, 20.0, 1), std::sqrt(2.0 / 8.0), "√(C1/L1) = {:.1f} A");
 }
 
@@ -179,11 +179,11 @@ TEST_CASE("concepts, selection: a short flight", "[regression]") {
   const auto x1_series = [](double t) {
     return 1e-4 * t * t / 2.0 - t * t * t / 6.0 - 3.0 * (1e-4 * t * t * t * t / 24.0 - std::pow(t, 5) / 120.0);
   };
-  CHECK(std::abs(x1(0.01) - x1_series(0.01)) <= exact);
+  CHECK(std::abs(x1(0.01) - x1_series(0.01)) <= example_bound);
   double low = 2e-4, high = 4e-4;
   for (int i = 0; i < 60; ++i) (x1_series(0.5 * (low + high)) > 0.0 ? low : high) = 0.5 * (low + high);
   const DeckRun run = run_of("docs/concepts/short_flight.net", true);
-  const auto events = events_of(run);
+  const auto events = event_times_of(run);
   REQUIRE(events.size() == 1);
   const Page page("selection");
   CHECK(events[0] == Approx(low).epsilon(1e-10));
@@ -218,9 +218,9 @@ TEST_CASE("concepts, jumps: two capacitors and a corner", "[regression]") {
   page.states(at(leave, 0.1, 0), (std::cos(0.1 / phi) - std::cos(0.1 * phi)) / std::sqrt(5.0), "{:.12f} at t = 0.1");
   // Plastic impact: the wall that is hit at right angles takes vx, the other is left with n2·v = 0.2 √3/2. All walls at once: −G⁻¹ N v, G = [1 ½; ½ 1].
   const DeckRun corner = run_of("docs/concepts/corner.net");
-  CHECK(std::abs(at(corner, 0.0, 2)) <= exact);
-  CHECK(std::abs(at(corner, 0.0, 3) - 0.2) <= exact);
-  CHECK(std::abs(at(corner, 1.0, 1) - 0.2) <= exact);
+  CHECK(std::abs(at(corner, 0.0, 2)) <= example_bound);
+  CHECK(std::abs(at(corner, 0.0, 3) - 0.2) <= example_bound);
+  CHECK(std::abs(at(corner, 1.0, 1) - 0.2) <= example_bound);
   const double v1 = -1.0, v2 = -0.5 + 0.1 * std::sqrt(3.0);
   page.shows(fmt::format("n2·v = −{:.4f}", -v2));
   page.shows(fmt::format("{:.3f} and **−{:.3f}**", -(v1 - 0.5 * v2) / 0.75, (v2 - 0.5 * v1) / 0.75));
@@ -230,9 +230,9 @@ TEST_CASE("concepts, jumps: two capacitors and a corner", "[regression]") {
 TEST_CASE("concepts, events: infinitely many", "[regression]") {
   const DeckRun run = run_of("docs/concepts/twisting.net", true);
   const Page page("events");
-  page.states(events_of(run).back(), 1.0 + 2.0 / std::sqrt(3.0), "{:.16f}");
-  CHECK(std::abs(at(run, 2.25, 0)) <= exact);
-  CHECK(std::abs(at(run, 3.0, 1)) <= exact);
+  page.states(event_times_of(run).back(), 1.0 + 2.0 / std::sqrt(3.0), "{:.16f}");
+  CHECK(std::abs(at(run, 2.25, 0)) <= example_bound);
+  CHECK(std::abs(at(run, 3.0, 1)) <= example_bound);
   CHECK(run.answer.statistics.accumulations == 1);
 }
 
@@ -241,19 +241,19 @@ TEST_CASE("concepts, events: the extinction angle and a near touch", "[regressio
   const auto current = [](double t) { return std::sin(t - pi / 4.0) + std::sin(pi / 4.0) * std::exp(-t); };
   for (int i = 0; i < 100; ++i) (current(0.5 * (low + high)) > 0.0 ? low : high) = 0.5 * (low + high);
   const Page page("events");
-  const auto extinction = events_of(run_of("docs/concepts/rl_rectifier.net", true));
+  const auto extinction = event_times_of(run_of("docs/concepts/rl_rectifier.net", true));
   REQUIRE(extinction.size() == 1);
   page.states(extinction[0], low, "β = {:.15f}", 1e-14);
 
   const double eps = 1e-8, speed = std::sqrt(2.0 * eps + eps * eps);
   const DeckRun run = run_of("docs/concepts/near_touch.net", true);
-  const auto events = events_of(run);
+  const auto events = event_times_of(run);
   REQUIRE(events.size() == 1);
   page.states(events[0], std::atan2(1.0, speed), "= {:.9f}");
   const auto before = std::find_if(run.rows.begin(), run.rows.end(), [&](const auto& row) { return row[0] == events[0]; });
   page.states((*before)[2], speed, "speed {:.3e}", 1e-10);
-  CHECK(std::abs((*std::next(before))[2]) <= exact);
-  for (const auto& row : run.rows) CHECK(std::abs(row[3] - (1.0 - eps) * std::sin(row[0])) <= exact);
+  CHECK(std::abs((*std::next(before))[2]) <= example_bound);
+  for (const auto& row : run.rows) CHECK(std::abs(row[3] - (1.0 - eps) * std::sin(row[0])) <= example_bound);
 }
 
 TEST_CASE("concepts, certificates: what is certified, and two starts that approach", "[regression]") {
@@ -267,7 +267,7 @@ TEST_CASE("concepts, certificates: what is certified, and two starts that approa
   page.states(carts.markov.parameters.at(2)(0, 0), 1.0, "CAB = {:.0f}");
   CHECK(inspected("netlists/paper/relay_right.net").positions.at(0).certificate.kind == CertificateKind::none);
   const auto saturation = inspected("netlists/paper/saturation.net").positions.at(0);
-  CHECK(distance(saturation.space.d, {1.0, 0.0, 0.0, 1.0}) <= exact);
+  CHECK(distance(saturation.space.d, {1.0, 0.0, 0.0, 1.0}) <= example_bound);
   CHECK(saturation.certificate.kind == CertificateKind::principal_minors);
 
   const DeckRun run = run_of("docs/concepts/two_starts.net");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "regression/comparison.hpp"
 #include "regression/deck_run.hpp"
 
 using namespace pwlsim;
@@ -11,10 +12,10 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double volts = 12.0, henry = 47e-6, farad = 100e-6, ohms = 10.0, on_time = 4e-6, period = 10e-6;
+constexpr double volts = 12.0, henry = 47e-6, farad = 100e-6, ohms = 10.0, on_time = 4e-6, switching_period = 10e-6;
 /// Of the largest value: what the steps of a run may gather, in tolerances.
 constexpr double gathered = 300.0;
-constexpr double rounding = 1e-9;
+constexpr double winding_rounding = 1e-9;
 
 std::string sepic(const std::string& coupling, const std::string& time) {
   return "sepic\nVin in 0 12\nL1 in a 47u ic=0\nS1 a 0 g 0 SX\nVg g 0 PULSE(0 1 0 0 0 4u 10u)\nC1 a b 1u ic=0\nL2 b 0 47u ic=0\n"
@@ -23,21 +24,6 @@ std::string sepic(const std::string& coupling, const std::string& time) {
          "\nD1 b out DX\nC2 out 0 100u ic=0\nR1 out 0 10\n.model SX SW(Ron=0 Roff=inf Vt=0.5)\n.model DX D\n"
          ".save v(out) i(L1) i(L2) v(b)\n.tran " +
          time + " uic\n";
-}
-
-/// Column by column the largest difference, of the largest value.
-double difference(const DeckRun& a, const DeckRun& b) {
-  REQUIRE(a.rows.size() == b.rows.size());
-  double worst = 0.0;
-  for (std::size_t j = 1; j < a.rows.front().size(); ++j) {
-    double most = 0.0, apart = 0.0;
-    for (std::size_t i = 0; i < a.rows.size(); ++i) {
-      most = std::max(most, std::abs(a.rows[i][j]));
-      apart = std::max(apart, std::abs(a.rows[i][j] - b.rows[i][j]));
-    }
-    worst = std::max(worst, apart / most);
-  }
-  return worst;
 }
 
 /// Output voltage and magnetising current within the first period: a coil that is charged, then joined to C and R, an oscillation that R damps.
@@ -67,12 +53,12 @@ TEST_CASE("a SEPIC with K = -1 magnetises one winding at a time", "[regression]"
     most = std::max({most, std::abs(row[2]), std::abs(row[3])});
     share = std::max(share, std::min(std::abs(row[2]), std::abs(row[3])));
   }
-  CHECK(share <= rounding * most);
+  CHECK(share <= winding_rounding * most);
   for (const auto& row : run.rows) {
-    if (row[0] >= period) break;
+    if (row[0] >= switching_period) break;
     const Magnetising expected(row[0]);
     INFO(row[0]);
-    CHECK(std::abs(row[1] - expected.output) <= gathered * reltol * Magnetising(period).output);
+    CHECK(std::abs(row[1] - expected.output) <= gathered * reltol * Magnetising(switching_period).output);
     CHECK(std::abs(row[2] - row[3] - expected.current) <= gathered * reltol * Magnetising(on_time).current);
   }
 }
@@ -82,7 +68,7 @@ TEST_CASE("a SEPIC with K = 1 is the exact engine's", "[regression]") {
   const std::string deck = sepic("1", "1u 0.3m");
   const DeckRun run = run_text_sparse(deck, reltol), exact = run_text(deck);
   INFO(reltol << run.messages << run.answer.message);
-  CHECK(difference(exact, run) <= gathered * reltol);
+  CHECK(largest_difference(exact, run) <= gathered * reltol);
 }
 
 // A leakage of 10 pH rings with 1 µF 50 times a microsecond, and v(b) is what a ten-millionth of the flux leaves: it was 6 to 30 kV at one edge.
@@ -90,7 +76,7 @@ TEST_CASE("a SEPIC with K = 0.9999999 is the exact engine's", "[regression]") {
   const std::string deck = sepic("0.9999999", "1u 15u");
   const DeckRun run = run_text_sparse(deck, 1e-6), exact = run_text(deck);
   INFO(run.messages << run.answer.message);
-  CHECK(difference(exact, run) <= gathered * 1e-6);
+  CHECK(largest_difference(exact, run) <= gathered * 1e-6);
 }
 
 // Three windings of one core, one of them the other way round with respect to one of the others only.

@@ -55,7 +55,7 @@ engine::Request request_of(const circuit::Compiled& compiled, bool events, DeckR
 /// Runs a compiled deck into a sink; false where the network has errors of structure, which are among the diagnostics then.
 using Simulate = std::function<bool(const circuit::Compiled&, DeckRun&, Diagnostics&)>;
 
-Simulate exact(bool events, const engine::Request::Faults& faults = {}, engine::Leaks leaks = engine::Leaks::as_ports) {
+Simulate by_modes(bool events, const engine::Request::Faults& faults = {}, engine::Leaks leaks = engine::Leaks::as_ports) {
   return [events, faults, leaks](const circuit::Compiled& compiled, DeckRun& run, Diagnostics& diagnostics) {
     const auto model = engine::prepare(compiled.network, diagnostics, leaks);
     Rows rows(run.rows);
@@ -118,19 +118,19 @@ const std::vector<double>* DeckRun::row_at(double time) const {
   return found != rows.end() && (*found)[0] == time ? &*found : nullptr;
 }
 
-DeckRun run_deck(const std::filesystem::path& path, bool events) { return run_file(path, exact(events)); }
+DeckRun run_deck(const std::filesystem::path& path, bool events) { return run_file(path, by_modes(events)); }
 
 DeckRun run_deck_with_faults(const std::filesystem::path& path, const engine::Request::Faults& faults) {
-  return run_file(path, exact(false, faults));
+  return run_file(path, by_modes(false, faults));
 }
 
 DeckRun run_deck_sparse(const std::filesystem::path& path, double reltol, bool events) { return run_file(path, sparse(reltol, events)); }
 
 DeckRun run_deck_segments(const std::filesystem::path& path) { return run_file(path, by_segments(false)); }
 
-DeckRun run_text_with_leaks_as_written(const std::string& text) { return run_memory(text, exact(false, {}, engine::Leaks::as_written)); }
+DeckRun run_text_with_leaks_as_written(const std::string& text) { return run_memory(text, by_modes(false, {}, engine::Leaks::as_written)); }
 
-DeckRun run_text(const std::string& text, bool events) { return run_memory(text, exact(events)); }
+DeckRun run_text(const std::string& text, bool events) { return run_memory(text, by_modes(events)); }
 
 DeckRun run_text_segments(const std::string& text, bool events) { return run_memory(text, by_segments(events)); }
 

@@ -14,9 +14,9 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
-DeckRun deck(const std::string& name) {
+DeckRun run_dialect(const std::string& name) {
   DeckRun run = run_deck(std::string(PWLSIM_SOURCE_DIR "/tests/decks/") + name);
   INFO(run.messages << run.answer.message);
   REQUIRE(run.messages.empty());
@@ -41,7 +41,7 @@ void check(const DeckRun& run, const std::string& name, double margin, const std
 }  // namespace
 
 TEST_CASE("LTspice: a chopper of its own transistor and Schottky models", "[regression]") {
-  const DeckRun run = deck("ltspice_chopper.net");
+  const DeckRun run = run_dialect("ltspice_chopper.net");
   // tau = 1 ms; towards 10 A while on, towards -Vfwd/R = -0.5 A while off. The edges of 1 ps shift events by 0.7 ps.
   const auto current = [](double t) {
     double i = 0.0;
@@ -60,13 +60,13 @@ TEST_CASE("LTspice: a chopper of its own transistor and Schottky models", "[regr
 }
 
 TEST_CASE("LTspice: its opamp with Aol and GBW, nodes in its order", "[regression]") {
-  const DeckRun run = deck("ltspice_follower.net");
+  const DeckRun run = run_dialect("ltspice_follower.net");
   const double gain = 1e3, rate = 2.0 * pi * 1e6;
   check(run, "V(out)", 1e-11, [&](double t) { return gain / (1.0 + gain) * (1.0 - std::exp(-rate * (1.0 + gain) / gain * t)); });
 }
 
 TEST_CASE("PSpice: what OrCAD's Capture writes", "[regression]") {
-  const DeckRun run = deck("orcad_switch.net");
+  const DeckRun run = run_dialect("orcad_switch.net");
   // 1 uF from 2 V beside 1 Mohm; from 1 ms on towards 10 V behind 500 ohm times 2 and 1 mohm.
   const double leak = 1e6, series = 1000.001, target = 10.0 * leak / (leak + series), tau = 1e-6 / (1.0 / leak + 1.0 / series);
   const double off = 1.0 / (1.0 / leak + 1.0 / 1e9), floor = 10.0 * leak / (leak + 1e9);
@@ -78,7 +78,7 @@ TEST_CASE("PSpice: what OrCAD's Capture writes", "[regression]") {
 }
 
 TEST_CASE("ngspice: a deck that a control block runs", "[regression]") {
-  const DeckRun run = deck("ngspice_rectifier.net");
+  const DeckRun run = run_dialect("ngspice_rectifier.net");
   const auto out = [](double t) { return std::max(0.0, 10.0 * std::sin(2.0 * pi * 50.0 * t) - 0.7); };
   CHECK(run.rows.size() == 401);
   check(run, "v(out)", 1e-11, out);
@@ -269,7 +269,7 @@ TEST_CASE("LTspice: a diode's limits of current", "[regression]") {
 
 // Between a third and two thirds of 10 V: up through 6 kohm, down through 4 kohm towards the divider of 2 kohm and the contact's 10 ohm.
 TEST_CASE("LTspice: a timer of its own comparators and flip-flop", "[regression]") {
-  const DeckRun run = deck("ltspice_555.net");
+  const DeckRun run = run_dialect("ltspice_555.net");
   const double up = 6e3 * 100e-9, low = 10.0 * 10.0 / 2010.0, down = (4e3 + 2e3 * 10.0 / 2010.0) * 100e-9;
   const double first = up * std::log(3.0), fall = down * std::log((20.0 / 3.0 - low) / (10.0 / 3.0 - low)), rise = up * std::log(2.0);
   // The contacts' 1 Gohm takes 2e-6 of the current, which adds up to 2e-7 s.
@@ -283,7 +283,7 @@ TEST_CASE("LTspice: a timer of its own comparators and flip-flop", "[regression]
 
 // Each period of 10 us the clock closes the switch 0.2 us late; at 3 A the comparator opens it, 0.2 us late as well. 0.8 A/us up, 0.4 A/us down.
 TEST_CASE("LTspice: a converter in current mode, with its flip-flop and a delay", "[regression]") {
-  const DeckRun run = deck("ltspice_current_mode.net");
+  const DeckRun run = run_dialect("ltspice_current_mode.net");
   check(run, "I(L1)", 1e-7, [](double t) {
     double begin = 1.2, valley = 0.0, peak = 0.0, open = 0.0;
     const double at = 1e6 * t;

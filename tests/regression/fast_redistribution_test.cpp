@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "regression/comparison.hpp"
 #include "regression/deck_run.hpp"
 
 using namespace pwlsim::test;
@@ -13,27 +14,13 @@ namespace {
 /// Rows at an edge itself hold what the steps after it extrapolate to.
 constexpr double tolerances = 30.0;
 
-/// The largest difference in all rows, of the largest value of a signal.
-double difference(const DeckRun& a, const DeckRun& b) {
-  double worst = 0.0;
-  for (std::size_t signal = 1; signal < a.rows.front().size(); ++signal) {
-    double largest = 0.0, distance = 0.0;
-    for (std::size_t i = 0; i < a.rows.size(); ++i) {
-      largest = std::max(largest, std::abs(a.rows[i][signal]));
-      distance = std::max(distance, std::abs(a.rows[i][signal] - b.rows[i][signal]));
-    }
-    worst = std::max(worst, distance / largest);
-  }
-  return worst;
-}
-
 void check_agreement(const std::string& deck, double reltol) {
   INFO(deck << " at " << reltol);
   const DeckRun exact = run_text(deck), sparse = run_text_sparse(deck, reltol);
   REQUIRE(exact.answer.outcome == pwlsim::engine::Outcome::completed);
   REQUIRE(sparse.answer.outcome == pwlsim::engine::Outcome::completed);
   REQUIRE(exact.rows.size() == sparse.rows.size());
-  CHECK(difference(exact, sparse) <= tolerances * reltol);
+  CHECK(largest_difference(exact, sparse) <= tolerances * reltol);
 }
 
 /// Time constants of 2e-10 s in a run of 10.5 ms.

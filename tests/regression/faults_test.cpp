@@ -24,7 +24,7 @@ double certificate(const DeckRun& run) { return std::max(run.answer.certificate.
 bool is_noticed(const DeckRun& run) { return run.answer.outcome != Outcome::completed || certificate(run) > doubtful; }
 
 /// Largest difference of a signal over all rows, against its largest value.
-double difference(const DeckRun& right, const DeckRun& other) {
+double difference_of_common_rows(const DeckRun& right, const DeckRun& other) {
   double worst = 0.0;
   for (std::size_t signal = 1; signal < right.rows.front().size(); ++signal) {
     double largest = 0.0, most = 0.0;
@@ -58,7 +58,7 @@ void check_all_are_noticed(const Fault& fault) {
       continue;
     }
     INFO(path << ", fault " << number);
-    CHECK(difference(right, run) <= doubtful);
+    CHECK(difference_of_common_rows(right, run) <= doubtful);
   }
   INFO(path << ": " << noticed << " of " << faults_of_each);
   CHECK(noticed > 0);

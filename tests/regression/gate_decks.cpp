@@ -19,9 +19,9 @@ struct Timing {
 
 enum class Given { pulses, inverted, one_source, polylines, floating, comparison };
 
-class Writer {
+class GateDeckWriter {
  public:
-  explicit Writer(std::uint64_t seed) : random_(seed) {}
+  explicit GateDeckWriter(std::uint64_t seed) : random_(seed) {}
 
   GateDeck run(std::uint64_t seed) {
     given_ = static_cast<Given>(random_.whole(0, 5));
@@ -192,6 +192,6 @@ class Writer {
 
 }  // namespace
 
-GateDeck random_gate_deck(std::uint64_t seed) { return Writer(seed).run(seed); }
+GateDeck random_gate_deck(std::uint64_t seed) { return GateDeckWriter(seed).run(seed); }
 
 }  // namespace pwlsim::test

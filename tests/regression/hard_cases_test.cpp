@@ -14,7 +14,7 @@ namespace {
 
 constexpr double exact_touch = 1e-6;  ///< where a stop is touched with no speed, the double root of the crossing costs half the digits
 
-Bounds bounds_of(const std::string& name) {
+Bounds bounds_of_case(const std::string& name) {
   Bounds bounds;
   if (name == "case31c") bounds = {exact_touch, exact_touch, true};
   return bounds;
@@ -37,7 +37,7 @@ std::vector<std::filesystem::path> decks_with_reference() {
 TEST_CASE("hard cases agree with their closed forms", "[hard]") {
   const auto deck = GENERATE(from_range(decks_with_reference()));
   INFO(deck.string());
-  compare_with_reference(deck, bounds_of(deck.stem().string()));
+  compare_with_reference(deck, bounds_of_case(deck.stem().string()));
 }
 
 TEST_CASE("every hard case that the language can state has a deck", "[hard]") {

@@ -9,7 +9,7 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double exact = 1e-13;
+constexpr double filter_bound = 1e-13;
 
 std::string deck(const std::string& behind_buffer, const std::string& saved) {
   return "idle\nV1 a 0 DC 1\nR1 a b 1k\nC1 b 0 1u ic=0\nE1 c 0 b 0 10\n" + behind_buffer + ".model DI D\n.save " + saved +
@@ -35,7 +35,7 @@ TEST_CASE("a filter behind a buffer that nobody saves is left out", "[unit]") {
   CHECK(run.answer.statistics.ports == 0);
   const std::string names = left_out(run);
   for (const char* name : {"E1", "R2", "C2", "D1", "R3"}) CHECK(names.find(name) != std::string::npos);
-  for (const auto& row : run.rows) CHECK(row[1] == Approx(-std::expm1(-row[0] / 1e-3)).epsilon(exact).margin(exact));
+  for (const auto& row : run.rows) CHECK(row[1] == Approx(-std::expm1(-row[0] / 1e-3)).epsilon(filter_bound).margin(filter_bound));
 }
 
 TEST_CASE("a part that is read runs, and what drives it", "[unit]") {

@@ -10,7 +10,7 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double exact = 1e-13;  ///< of values of order one
+constexpr double jump_bound = 1e-13;  ///< of values of order one
 
 const engine::Jump::State* state(const engine::Jump& jump, const std::string& name) {
   for (const auto& s : jump.states)
@@ -22,7 +22,7 @@ const engine::Jump::State* state(const engine::Jump& jump, const std::string& na
 std::pair<DeckRun, double> run_on_either_engine(const std::string& text) {
   constexpr double reltol = 1e-8;
   if (GENERATE(false, true)) return {run_text_sparse(text, reltol, true), 100.0 * reltol};
-  return {run_text(text, true), exact};
+  return {run_text(text, true), jump_bound};
 }
 
 }  // namespace
@@ -85,8 +85,8 @@ TEST_CASE("a switch that moves the current to a coupled winding does not change 
   CHECK(run.answer.jumps.empty());
   // i(L2) = 1.5 A e^(-t/2) after the switch has opened: L2 carries the flux into 2 Ohm, tau = 4/2.
   REQUIRE(run.rows.back()[0] == 1.0);
-  CHECK(run.rows.back()[1] == Approx(0.0).margin(exact));
-  CHECK(std::abs(run.rows.back()[2]) == Approx(1.5 * std::exp(-0.25)).epsilon(exact));
+  CHECK(run.rows.back()[1] == Approx(0.0).margin(jump_bound));
+  CHECK(std::abs(run.rows.back()[2]) == Approx(1.5 * std::exp(-0.25)).epsilon(jump_bound));
 }
 
 // What is behind a controlled source takes its charge from the source: v(a) = 5 e^(−t/RC) whatever copies or differentiates it. Dense modes shared the charge of C1 with the capacitor of the copy: 2.5 V,

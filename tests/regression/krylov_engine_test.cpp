@@ -15,21 +15,21 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double bound = 3e-8;  ///< of a signal's largest value
-constexpr const char* several_solutions = "case08";
+constexpr double segments_bound = 3e-8;  ///< of a signal's largest value
+constexpr const char* case_of_several_solutions = "case08";
 
 void check_deck(const std::filesystem::path& deck) {
-  if (deck.stem() == several_solutions) return;
+  if (deck.stem() == case_of_several_solutions) return;
   INFO(deck.stem().string());
   const DeckRun run = run_deck_segments(deck);
   INFO(run.answer.id << " " << run.answer.message);
   REQUIRE(run.messages.empty());
   REQUIRE(run.answer.outcome == pwlsim::engine::Outcome::completed);
-  CHECK(worst_error(run, read_reference(deck.stem().string())) <= bound);
+  CHECK(worst_error(run, read_reference(deck.stem().string())) <= segments_bound);
 }
 
-/// Two three-phase bridges in series, a sixth of a half period apart, with filters of the orders 5, 7 and 11 at each phase. `first`: phase of the first source, degrees; `pi`: for the filters' inductances.
-std::string filtered_bridges(int first, double pi) {
+/// Two three-phase bridges in series, a sixth of a half period apart, with filters of the orders 5, 7 and 11 at each phase. `first`: phase of the first source, degrees; `filter_pi`: for the filters' inductances.
+std::string filtered_bridges(int first, double filter_pi) {
   std::string deck = "filtered bridges\n";
   for (const int bridge : {0, 1})
     for (const int phase : {0, 1, 2}) {
@@ -37,7 +37,7 @@ std::string filtered_bridges(int first, double pi) {
       deck += fmt::format("V{0} s{0} m{1} SIN(0 325 50 0 0 {2})\nR{0} s{0} t{0} 0.05\nL{0} t{0} a{0} 1m ic=0\n", at, bridge,
                           30 * bridge - 120 * phase + first);
       for (const int order : {5, 7, 11}) {
-        const double c = 1e-4 / order, turning = 2.0 * pi * 50.0 * order;
+        const double c = 1e-4 / order, turning = 2.0 * filter_pi * 50.0 * order;
         deck += fmt::format("C{0}_{1} a{0} f{0}_{1} {2} ic=0\nRF{0}_{1} f{0}_{1} g{0}_{1} 0.1\nLF{0}_{1} g{0}_{1} w{3}_{1} {4} ic=0\n", at,
                             order, c, bridge, 1.0 / (turning * turning * c));
       }

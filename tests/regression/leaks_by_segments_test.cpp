@@ -14,7 +14,7 @@ namespace {
 
 using namespace pwlsim;
 
-struct Case {
+struct LeakCase {
   std::string what, deck;
 };
 
@@ -30,7 +30,7 @@ std::string bridge(const std::vector<std::string>& phases) {
 }
 
 // Random converters of tests/converters.
-const std::vector<Case> cases{
+const std::vector<LeakCase> leak_cases{
     {"behind a passage its guard is at zero, and falls in the position that it has left",
      "full-bridge\n"
      "Vg0 g0 0 PULSE(0 1 1.252e-05 4.52e-08 4.52e-08 2.0635e-05 4.52e-05)\n"
@@ -458,7 +458,7 @@ const std::vector<Case> cases{
 
 TEST_CASE("converters behind large leaks agree between dense modes and Krylov segments", "[regression]") {
   constexpr double expected = 1e-7;  // of the largest value of a signal
-  for (const Case& c : cases) {
+  for (const LeakCase& c : leak_cases) {
     INFO(c.what << "\n" << c.deck);
     const auto [modes, segments] = test::run_both(c.deck);
     CHECK(test::largest_difference(modes, segments) <= expected);

@@ -17,12 +17,12 @@ using pwlsim::test::run_text;
 bool high(double t, double delay) { return t >= delay && std::fmod(t - delay, 10e-6) < 5e-6; }
 double sine(double t) { return 3.0 * std::sin(2.0 * std::numbers::pi * 20e3 * t); }
 
-struct Case {
+struct LevelCase {
   const char* expression;
   std::function<double(double)> value;  ///< none: refused
 };
 
-const Case cases[] = {
+const LevelCase level_cases[] = {
     {"V(p)*V(q)", [](double t) { return high(t, 0.0) && high(t, 2e-6) ? 10.0 : 0.0; }},
     {"V(s)*V(p)", [](double t) { return high(t, 0.0) ? 5.0 * sine(t) : 0.0; }},
     {"V(r)*V(s)", [](double t) { return high(t, 2e-6) ? 4.0 * sine(t) : -sine(t); }},  // levels -1 and 4, edges of 1 ns
@@ -46,7 +46,7 @@ const Case cases[] = {
     {"V(held)*V(s)", nullptr},
 };
 
-constexpr const char* frame =
+constexpr const char* level_frame =
     "two levels\nV1 p 0 PULSE(0 5 0 0 0 5u 10u)\nV2 q 0 PULSE(0 2 2u 0 0 5u 10u)\nV3 r 0 PULSE(-1 4 2u 1n 1n 5u 10u)\n"
     "V4 s 0 SIN(0 3 20k)\nV5 vcc 0 12\nV6 t vcc PULSE(0 5 0 0 0 5u 10u)\nV7 three 0 PWL(0 0 1u 0 1u 1 2u 1 2u 2)\n"
     "Bc c 0 V=if(V(s)>1,5,0)\nBb both 0 V=2*((V(p)>1)|(V(q)>1))\nE1 e 0 value={1-2*V(p)}\n"
@@ -56,9 +56,9 @@ constexpr const char* frame =
 }  // namespace
 
 TEST_CASE("a product with a voltage of two levels has its value", "[regression]") {
-  const Case& one = GENERATE_REF(from_range(std::begin(cases), std::end(cases)));
+  const LevelCase& one = GENERATE_REF(from_range(std::begin(level_cases), std::end(level_cases)));
   INFO(one.expression);
-  const DeckRun run = run_text(std::string(frame) + one.expression + "\nRo o 0 1k\n.save v(o)\n.tran 0.2u 59.9u 0.1u\n.end\n");
+  const DeckRun run = run_text(std::string(level_frame) + one.expression + "\nRo o 0 1k\n.save v(o)\n.tran 0.2u 59.9u 0.1u\n.end\n");
   if (!one.value) {
     CHECK(run.messages.find("E-not-piecewise-linear") != std::string::npos);
     return;

@@ -11,7 +11,7 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Times at which the values of a run with events change abruptly or its rows come in pairs, in order, each once.
 std::vector<double> event_times(const DeckRun& run) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double lossless = 1e-8;  ///< nothing damps the rounding of many periods
 
-Bounds bounds_of(const std::string& name) {
+Bounds bounds_of_netlist(const std::string& name) {
   Bounds bounds;
   if (name == "tank_clamp" || name == "buck_parasitic") bounds.value = lossless;
   return bounds;
@@ -22,7 +22,7 @@ Bounds bounds_of(const std::string& name) {
 TEST_CASE("decks of netlists/ agree with their references", "[regression]") {
   const auto deck = GENERATE(from_range(decks_in("netlists")));
   INFO(deck.string());
-  compare_with_reference(deck, bounds_of(deck.stem().string()));
+  compare_with_reference(deck, bounds_of_netlist(deck.stem().string()));
 }
 
 TEST_CASE("every reference belongs to a deck", "[regression]") {

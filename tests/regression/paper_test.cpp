@@ -15,12 +15,12 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double exact = 1e-12;  ///< of values of order one
-constexpr double pi = std::numbers::pi;
-constexpr double phi = std::numbers::phi;
+constexpr double paper_bound = 1e-12;  ///< of values of order one
+using std::numbers::phi;
+using std::numbers::pi;
 const double root5 = std::sqrt(5.0);
 
-std::string text_of(const std::string& name) {
+std::string paper_text(const std::string& name) {
   std::ifstream file(std::string(PWLSIM_SOURCE_DIR) + "/netlists/paper/" + name + ".net");
   std::stringstream text;
   text << file.rdbuf();
@@ -31,7 +31,7 @@ DeckRun paper_deck(const std::string& name) { return run_deck(std::string(PWLSIM
 
 /// The same deck with another value of a parameter of order 1e-3 or 1e6.
 DeckRun with_parameter(const std::string& name, const std::string& from, const std::string& to) {
-  std::string text = text_of(name);
+  std::string text = paper_text(name);
   const auto at = text.find(from);
   REQUIRE(at != std::string::npos);
   return run_text(text.replace(at, from.size(), to));
@@ -39,7 +39,7 @@ DeckRun with_parameter(const std::string& name, const std::string& from, const s
 
 using Function = std::function<double(double)>;
 
-void check_completed(const DeckRun& run) {
+void check_certified(const DeckRun& run) {
   INFO(run.messages << run.answer.id << " " << run.answer.message);
   REQUIRE(run.messages.empty());
   REQUIRE(run.answer.outcome == engine::Outcome::completed);
@@ -56,10 +56,10 @@ double worst_error(const DeckRun& run, std::size_t signal, const Function& f, do
 }
 
 void check_signals(const DeckRun& run, const std::vector<Function>& functions) {
-  check_completed(run);
+  check_certified(run);
   for (std::size_t k = 0; k < functions.size(); ++k) {
     INFO(run.signals[k]);
-    CHECK(worst_error(run, k, functions[k]) <= exact);
+    CHECK(worst_error(run, k, functions[k]) <= paper_bound);
   }
 }
 
@@ -85,7 +85,7 @@ TEST_CASE("paper: a stiff spring in the stop's place converges to a bounce", "[r
   std::vector<double> errors;
   for (const char* k : {"k=1e4", "k=1e6", "k=1e8"}) {
     const DeckRun run = with_parameter("carts_hit", "k=1e6", k);
-    check_completed(run);
+    check_certified(run);
     double worst = 0.0;
     for (const auto& row : run.rows)
       if (row[0] <= 0.8) worst = std::max(worst, std::abs(row[6] - bounced(row[0])));
@@ -119,7 +119,7 @@ TEST_CASE("paper: Coulomb friction stops for good, a steep line creeps", "[regre
   std::vector<double> errors;
   for (const char* eps : {"eps=1e-2", "eps=1e-3", "eps=1e-4"}) {
     const DeckRun smooth = with_parameter("coulomb", "eps=1e-3", eps);
-    check_completed(smooth);
+    check_certified(smooth);
     errors.push_back(worst_error(smooth, 3, x));
   }
   CHECK(errors[0] / errors[1] == Approx(10.0).epsilon(0.2));
@@ -136,7 +136,7 @@ TEST_CASE("paper: a relay slides, a steep line lies beside it", "[regression]") 
   std::vector<double> errors;
   for (const char* eps : {"eps=1e-2", "eps=1e-3", "eps=1e-4"}) {
     const DeckRun smooth = with_parameter("relay", "eps=1e-3", eps);
-    check_completed(smooth);
+    check_certified(smooth);
     errors.push_back(worst_error(smooth, 2, x));
   }
   CHECK(errors[0] / errors[1] == Approx(10.0).epsilon(0.2));
@@ -163,7 +163,7 @@ TEST_CASE("11, paper: a relay with dead zone has five modes", "[hard]") {
 
 TEST_CASE("paper: a passive network with diodes", "[regression]") {
   const DeckRun run = paper_deck("passive");
-  check_completed(run);
+  check_certified(run);
   CHECK(run.answer.certificate.passive);
   // Five independent rows of 80-bit arithmetic, anchors of the design: v(a), i(L1) at 1 to 5 ms.
   const double expected[5][2] = {{-6.4472632148001, -.04596960608386},

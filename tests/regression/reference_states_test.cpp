@@ -11,7 +11,7 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double bound = 1e-12;  ///< relative to the largest value of the signal, which is at least its value at the start
+constexpr double start_bound = 1e-12;  ///< relative to the largest value of the signal, which is at least its value at the start
 constexpr double millisecond = 1e-3;
 
 struct Column {
@@ -35,13 +35,13 @@ void check(const DeckRun& run, const std::vector<Column>& columns) {
     for (std::size_t i = 0; i < columns[column].at_milliseconds.size(); ++i) {
       INFO(columns[column].signal << " at " << i + 1 << " ms");
       REQUIRE(run.rows[i + 1][0] == Approx(static_cast<double>(i + 1) * millisecond));
-      CHECK(std::abs(run.rows[i + 1][column + 1] - columns[column].at_milliseconds[i]) <= bound * columns[column].scale);
+      CHECK(std::abs(run.rows[i + 1][column + 1] - columns[column].at_milliseconds[i]) <= start_bound * columns[column].scale);
     }
   }
 }
 
 const std::string tank = "C1 1 0 1u ic=10\nL1 1 0 10m\n";
-const std::string bridge = "D1 1 2 DI\nD2 3 1 DI\nD3 0 2 DI\nD4 3 0 DI\nR1 2 3 1k\n";
+const std::string diode_bridge = "D1 1 2 DI\nD2 3 1 DI\nD3 0 2 DI\nD4 3 0 DI\nR1 2 3 1k\n";
 constexpr double tank_voltage = 10.0, tank_current = 0.1;  ///< 10 V / √(10 mH / 1 µF)
 
 }  // namespace
@@ -60,23 +60,23 @@ TEST_CASE("tank with a resistor and a diode: first events", "[regression]") {
   for (std::size_t i = 1; i < run.rows.size(); ++i)
     if (run.rows[i][0] == run.rows[i - 1][0]) times.push_back(run.rows[i][0]);
   REQUIRE(times.size() >= 2);
-  CHECK(times[0] == Approx(152.26800110860626e-6).epsilon(bound));
-  CHECK(times[1] == Approx(466.42726646758557e-6).epsilon(bound));
+  CHECK(times[0] == Approx(152.26800110860626e-6).epsilon(start_bound));
+  CHECK(times[1] == Approx(466.42726646758557e-6).epsilon(start_bound));
 }
 
 TEST_CASE("tank with a diode bridge: reference states", "[regression]") {
-  check(run_text(deck(tank + bridge, "v(1) i(L1)", 5)),
+  check(run_text(deck(tank + diode_bridge, "v(1) i(L1)", 5)),
         {{"v(1)", tank_voltage, {-4.9681086359698, 1.4185828336088, 0.3721711201347, -0.9037223546013, 0.7903228196444}},
          {"i(L1)", tank_current, {-0.03239795531004, 0.03324093982098, -0.02218731682670, 0.01053596540079, -0.00264785016009}}});
 }
 
 TEST_CASE("tank with a bridge and an empty filter capacitor: reference states", "[regression]") {
-  const DeckRun run = run_text(deck(tank + bridge + "CF 2 3 300n ic=0\n", "v(1) i(L1) v(2,3)", 4));
+  const DeckRun run = run_text(deck(tank + diode_bridge + "CF 2 3 300n ic=0\n", "v(1) i(L1) v(2,3)", 4));
   check(run, {{"v(1)", tank_voltage, {-4.4372669652681, 2.4199574607127, -1.2160478547025, 0.5415247433440}},
               {"i(L1)", tank_current, {-0.01136058722904, 0.01322932853432, -0.01132335819945, 0.00841976872923}},
               {"v(2,3)", tank_voltage, {4.4372669652681, 2.4652637062205, 1.3667509751709, 0.7577316063256}}});
-  CHECK(run.rows[0][1] == Approx(10.0 / 1.3).epsilon(bound));  // charge of 1 µF shared with 300 nF
-  CHECK(run.rows[0][3] == Approx(10.0 / 1.3).epsilon(bound));
+  CHECK(run.rows[0][1] == Approx(10.0 / 1.3).epsilon(start_bound));  // charge of 1 µF shared with 300 nF
+  CHECK(run.rows[0][3] == Approx(10.0 / 1.3).epsilon(start_bound));
 }
 
 TEST_CASE("bridge with forward voltages on a cosine source: reference states", "[regression]") {
@@ -84,5 +84,5 @@ TEST_CASE("bridge with forward voltages on a cosine source: reference states", "
       "V1 1 0 SIN(0 10 {1e4/(2*pi)} 0 0 90)\nD1 1 2 DF\nD2 3 1 DF\nD3 0 2 DF\nD4 3 0 DF\nR1 2 3 1k\nCF 2 3 300n ic=0\n";
   const DeckRun run = run_text(deck(cards, "v(2,3)", 5));
   check(run, {{"v(2,3)", 10.0, {8.333094849152, 6.879144084925, 5.678877319628, 6.249380616523, 9.229660284921}}});
-  CHECK(run.rows[0][1] == Approx(10.0 - 2 * 0.21).epsilon(bound));
+  CHECK(run.rows[0][1] == Approx(10.0 - 2 * 0.21).epsilon(start_bound));
 }

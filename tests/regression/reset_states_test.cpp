@@ -12,7 +12,7 @@ namespace {
 
 using namespace pwlsim;
 
-constexpr double exact = 1e-9, by_steps = 1e-4;  ///< V, of values near 1 V
+constexpr double by_exact_engine = 1e-9, by_steps = 1e-4;  ///< V, of values near 1 V
 
 struct Engine {
   std::string name;
@@ -21,12 +21,12 @@ struct Engine {
 };
 
 std::vector<Engine> by_exact_engines(const std::string& deck) {
-  return {{"modes", test::run_text(deck), exact}, {"segments", test::run_text_segments(deck), exact}};
+  return {{"modes", test::run_text(deck), by_exact_engine}, {"segments", test::run_text_segments(deck), by_exact_engine}};
 }
 
 std::vector<Engine> by_all_engines(const std::string& deck) {
-  return {{"modes", test::run_text(deck), exact},
-          {"segments", test::run_text_segments(deck), exact},
+  return {{"modes", test::run_text(deck), by_exact_engine},
+          {"segments", test::run_text_segments(deck), by_exact_engine},
           {"steps", test::run_text_sparse(deck, 1e-7), by_steps}};
 }
 
@@ -105,5 +105,5 @@ TEST_CASE("idtmod wraps once where its control has passed by rounding alone", "[
   REQUIRE(segments.rows.size() == modes.rows.size());
   for (std::size_t i = 0; i < modes.rows.size(); ++i)
     for (std::size_t k = 1; k < modes.rows[i].size(); ++k)
-      CHECK(segments.rows[i][k] == Approx(modes.rows[i][k]).epsilon(0.0).margin(exact));
+      CHECK(segments.rows[i][k] == Approx(modes.rows[i][k]).epsilon(0.0).margin(by_exact_engine));
 }

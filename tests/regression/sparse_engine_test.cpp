@@ -36,7 +36,9 @@ void check_deck(const std::filesystem::path& deck, const std::string& name, doub
   CHECK(worst_error(run, read_reference(name)) <= global_bound(reltol));
 }
 
-std::filesystem::path netlist(const std::string& name) { return std::filesystem::path(PWLSIM_SOURCE_DIR) / "netlists" / (name + ".net"); }
+std::filesystem::path netlist_path(const std::string& name) {
+  return std::filesystem::path(PWLSIM_SOURCE_DIR) / "netlists" / (name + ".net");
+}
 
 }  // namespace
 
@@ -66,21 +68,21 @@ TEST_CASE("jumps by impulses of higher order are refused by the sparse engine", 
 // At some of these the Euler steps of an instant get so short that the rounding of a voltage times C/h is a current.
 TEST_CASE("a flyback with leakage runs at any tolerance on the sparse engine", "[regression]") {
   const double reltol = GENERATE(4e-6, 5e-6, 1e-8);
-  check_deck(netlist("flyback"), "flyback", reltol);
+  check_deck(netlist_path("flyback"), "flyback", reltol);
 }
 
 TEST_CASE("the sparse engine converges with order 2 through events", "[regression]") {
   const auto name = GENERATE(as<std::string>(), "rlcd", "diode_bridge", "flyback_ideal", "freewheel");
   INFO(name);
   const Reference reference = read_reference(name);
-  const DeckRun coarse = run_deck_sparse(netlist(name), 1e-5), fine = run_deck_sparse(netlist(name), 1e-8);
+  const DeckRun coarse = run_deck_sparse(netlist_path(name), 1e-5), fine = run_deck_sparse(netlist_path(name), 1e-8);
   const double order = std::log(worst_error(coarse, reference) / worst_error(fine, reference)) /
                        std::log(static_cast<double>(fine.answer.statistics.steps) / static_cast<double>(coarse.answer.statistics.steps));
   CHECK(order > 1.7);
 }
 
 TEST_CASE("the sparse engine writes rows before and after an event", "[regression]") {
-  const DeckRun run = run_deck_sparse(netlist("halfwave"), 1e-4, true);
+  const DeckRun run = run_deck_sparse(netlist_path("halfwave"), 1e-4, true);
   std::vector<double> times;
   for (std::size_t i = 1; i < run.rows.size(); ++i)
     if (run.rows[i][0] == run.rows[i - 1][0]) times.push_back(run.rows[i][0]);

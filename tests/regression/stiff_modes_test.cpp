@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "regression/comparison.hpp"
 #include "regression/deck_run.hpp"
@@ -17,7 +18,7 @@ using pwlsim::test::largest_difference;
 using pwlsim::test::run_text;
 using pwlsim::test::run_text_sparse;
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 
 /// Six phases, each behind 100 µH, at a bridge of twelve diodes; the neutral floats, held by Roff alone.
 std::string six_phases(const std::string& model) {

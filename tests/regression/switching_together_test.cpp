@@ -6,6 +6,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "regression/deck_run.hpp"
 #include "regression/gate_decks.hpp"
@@ -216,10 +217,10 @@ namespace {
 
 /// Where a sinusoid of 0.5 + 0.4·sin is above a triangle of 0 to 1, in extended precision; and the current of 10 µH and 1.01 Ω at 12 V then, at 0 V else.
 long double compared_current(long double stop) {
-  constexpr long double triangle = 7.3e-6L, delay = 1e-6L / 3.0L, tau = 10e-6L / 1.01L, pi = 3.14159265358979323846L;
+  constexpr long double triangle = 7.3e-6L, delay = 1e-6L / 3.0L, tau = 10e-6L / 1.01L;
   const auto above = [&](long double t) {
     const long double phase = t < delay ? 0.0L : std::fmod(t - delay, triangle) / (0.5L * triangle);
-    return 0.5L + 0.4L * std::sin(2.0L * pi * t / (10.0L * triangle)) > (phase < 1.0L ? phase : 2.0L - phase);
+    return 0.5L + 0.4L * std::sin(2.0L * std::numbers::pi_v<long double> * t / (10.0L * triangle)) > (phase < 1.0L ? phase : 2.0L - phase);
   };
   long double current = 0.0L, time = 0.0L;
   const auto go_on = [&](long double to, bool on) {

@@ -16,13 +16,13 @@ using pwlsim::test::DeckRun;
 using pwlsim::test::run_text;
 using pwlsim::test::run_text_sparse;
 
-struct Case {
+struct FractionCase {
   const char* card;  ///< a source that holds node b, or its current through 1 ohm
   std::function<double(double)> value;
 };
 
 /// The response to 1 V from t = 0 on, T = 1 ms.
-const Case cases[] = {
+const FractionCase fraction_cases[] = {
     {"E1 b 0 in 0 Laplace=1/(1+s*1e-3)", [](double t) { return 1.0 - std::exp(-t / 1e-3); }},
     {"E1 b 0 in 0 Laplace={1/(1+s*tau)}", [](double t) { return 1.0 - std::exp(-t / 1e-3); }},
     {"E1 b 0 LAPLACE {V(in)} = {1/(1+s/1000)}", [](double t) { return 1.0 - std::exp(-t / 1e-3); }},
@@ -48,17 +48,17 @@ const Case cases[] = {
      }},
 };
 
-std::string deck(const char* card) {
-  return std::string("a fraction\nV1 in 0 PULSE(0 1 0 0 0 1 2)\nR1 in inr 1\nVin inr 0 0\n.param tau=1m\n.func lag(t) {1/(1+s*t)}\n") + card +
-         "\nR2 b 0 1\n.save v(b)\n.tran 0.2m 4m uic\n.end\n";
+std::string fraction_deck(const char* card) {
+  return std::string("a fraction\nV1 in 0 PULSE(0 1 0 0 0 1 2)\nR1 in inr 1\nVin inr 0 0\n.param tau=1m\n.func lag(t) {1/(1+s*t)}\n") +
+         card + "\nR2 b 0 1\n.save v(b)\n.tran 0.2m 4m uic\n.end\n";
 }
 
 }  // namespace
 
 TEST_CASE("a fraction in s has its step response", "[regression]") {
-  const Case& one = GENERATE_REF(from_range(std::begin(cases), std::end(cases)));
+  const FractionCase& one = GENERATE_REF(from_range(std::begin(fraction_cases), std::end(fraction_cases)));
   INFO(one.card);
-  const std::string text = deck(one.card);
+  const std::string text = fraction_deck(one.card);
   const DeckRun run = run_text(text);
   REQUIRE(run.messages.empty());
   REQUIRE(run.rows.size() == 21);
@@ -75,8 +75,8 @@ TEST_CASE("a fraction in s has its step response", "[regression]") {
 
 TEST_CASE("a fraction starts at its operating point", "[regression]") {
   // The input is -1 V before t = 0 and 1 V from then on: from H(0)·(-1) to H(0)·1 with the time constant.
-  const DeckRun run = run_text(
-      "start\nV1 in 0 PULSE(-1 1 0 0 0 1 2)\nE1 b 0 in 0 Laplace=3/(1+s*1m)\nR1 b 0 1\n.save v(b)\n.tran 0.5m 4m\n.end\n");
+  const DeckRun run =
+      run_text("start\nV1 in 0 PULSE(-1 1 0 0 0 1 2)\nE1 b 0 in 0 Laplace=3/(1+s*1m)\nR1 b 0 1\n.save v(b)\n.tran 0.5m 4m\n.end\n");
   REQUIRE(run.messages.empty());
   for (const auto& row : run.rows) CHECK(row[1] == Approx(3.0 - 6.0 * std::exp(-row[0] / 1e-3)).margin(1e-11));
 }
@@ -84,10 +84,10 @@ TEST_CASE("a fraction starts at its operating point", "[regression]") {
 TEST_CASE("a fraction closes a loop", "[regression]") {
   // (1+sT)/(sT) before 1/(1+sT), fed back: 1/(1+sT).
   const DeckRun run = run_text(
-      "loop\nV1 ref 0 PULSE(0 1 1m 0 0 1 2)\nE1 u 0 ref y Laplace=(1+s*1m)/(s*1m)\nR1 u y 1k\nC1 y 0 1u\n.save v(y)\n.tran 0.5m 8m\n.end\n");
+      "loop\nV1 ref 0 PULSE(0 1 1m 0 0 1 2)\nE1 u 0 ref y Laplace=(1+s*1m)/(s*1m)\nR1 u y 1k\nC1 y 0 1u\n.save v(y)\n.tran 0.5m "
+      "8m\n.end\n");
   REQUIRE(run.messages.empty());
-  for (const auto& row : run.rows)
-    CHECK(row[1] == Approx(row[0] < 1e-3 ? 0.0 : 1.0 - std::exp(-(row[0] - 1e-3) / 1e-3)).margin(1e-10));
+  for (const auto& row : run.rows) CHECK(row[1] == Approx(row[0] < 1e-3 ? 0.0 : 1.0 - std::exp(-(row[0] - 1e-3) / 1e-3)).margin(1e-10));
 }
 
 namespace {

@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double bound = 1e-9;  ///< of a signal, relative to its largest reference value
+constexpr double case_bound = 1e-9;  ///< of a signal, relative to its largest reference value
 
 const fs::path folder = fs::path(PWLSIM_SOURCE_DIR) / "validation" / "cases";
 
@@ -37,5 +37,5 @@ TEST_CASE("the ladder of 150 sections follows its closed form", "[regression]") 
   REQUIRE(run.rows.size() == reference.rows.size());
   for (std::size_t k = 0; k < run.rows.size(); ++k)
     for (std::size_t i = 0; i < reference.signals.size(); ++i)
-      CHECK(std::abs(run.rows[k][i + 1] - reference.rows[k][i + 1]) <= bound * reference.maximum(i));
+      CHECK(std::abs(run.rows[k][i + 1] - reference.rows[k][i + 1]) <= case_bound * reference.maximum(i));
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -16,7 +17,7 @@ using namespace pwlsim::test;
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 constexpr double rounding = 1e-11;  ///< of closed forms, relative
 
 double last(const DeckRun& run, std::size_t column = 1) { return run.rows.back()[column]; }
