@@ -243,7 +243,8 @@ void Session::take_messages() {
 int Session::write_pictures() {
   analysis::RunOutcome& outcome = run_.outcome;
   int status = 0;
-  if (run_.plot_file.is_open()) {
+  const bool has_run = run_.recorder || !outcome.sweep.list.empty();  // not where an analysis before it failed
+  if (run_.plot_file.is_open() && has_run) {
     const std::string svg =
         waveform::svg(outcome.sweep.list.empty() ? analysis::run_figure(outcome.title, outcome.signals, *run_.recorder)
                                                  : analysis::sweep_figure(outcome.title, outcome.signals, outcome.sweep));

@@ -129,6 +129,15 @@ TEST_CASE("a deck without .tran has nothing to draw", "[golden]") {
   CHECK(scratch.names() == Names{"op.net"});
 }
 
+TEST_CASE("where .op fails before the run there is nothing to draw", "[unit]") {
+  const Scratch scratch;
+  scratch.write("r.net", "t\nV1 a 0 1\nR1 a b 1k\nC1 b 0 1u\nV2 b 0 2\n.ic v(b)=3\n.op\n.tran 1u 10u uic\n.end\n");
+  const Finished finished = run_in(scratch, {"r.net", "--plot", "p.svg"});
+  CHECK(finished.status == 1);
+  CHECK_THAT(finished.err, Contains("error[E-ic-contradiction]"));
+  CHECK(scratch.names() == Names{"r.net"});
+}
+
 TEST_CASE("a name that ends in .png gives a PNG picture", "[unit]") {
   if (!waveform::find_png_converter()) {
     WARN("rsvg-convert is not installed: this test is skipped");
