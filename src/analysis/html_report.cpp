@@ -74,11 +74,13 @@ std::vector<std::string> recorded_names(const RunOutcome& outcome, std::size_t c
 
 std::string schematic_text(const RunOutcome& outcome) { return outcome.schematic.empty() ? "null" : outcome.schematic; }
 
-/// A number to so many digits that its error is below `error`.
+/// A number to so many digits that its error is below `error`; null where a run that overflows has none.
 std::string number_to(double value, double error) {
   constexpr int most_digits = 17;
   if (value == 0.0) return "0";
-  const double digits = std::ceil(std::log10(std::abs(value) / error)) + 1.0;
+  if (!std::isfinite(value)) return "null";
+  const double wanted = std::ceil(std::log10(std::abs(value) / error)) + 1.0;
+  const double digits = std::isnan(wanted) ? most_digits : wanted;
   return fmt::format("{:.{}g}", value, static_cast<int>(std::clamp(digits, 1.0, 1.0 * most_digits)));
 }
 

@@ -31,6 +31,17 @@ const std::string marked_up_triangle =
 
 }  // namespace
 
+// A conductance of −1 S across 1 µF: v(a) grows by e each microsecond, beyond 10³⁰⁸ after 0.7 ms.
+TEST_CASE("a run that leaves the range of numbers has a page", "[unit]") {
+  const Scratch scratch;
+  scratch.write("g.net", "t\nC1 a 0 1u ic=1\nG1 0 a a 0 1\nL1 a b 1m\nR1 b 0 1\nD1 b 0 DI\n.model DI D\n.tran 1u 2m uic\n.end\n");
+  const Finished finished = run_in(scratch, {"g.net", "--report", "g.html"});
+  CHECK(finished.status == 1);
+  CHECK_THAT(finished.err, Contains("error[E-overflow]"));
+  CHECK_THAT(finished.err, !Contains("E-internal"));
+  CHECK(scratch.holds("g.html"));
+}
+
 TEST_CASE("a report is one page that asks nothing of any network", "[unit]") {
   const Scratch scratch;
   scratch.write("t.net", marked_up_triangle);
