@@ -234,8 +234,10 @@ class Finder {
     if (!model_) return 0.0;
     engine::March march(*model_, {request_of_choice(compiled_.analyses.non_unique), &interrupt_});
     const auto told = static_cast<std::ptrdiff_t>(state_.messages.size());
-    engine::RunState from = start();
+    std::optional<engine::RunState> begin = start();
     state_.messages.erase(state_.messages.begin() + told, state_.messages.end());  // they are told of the model with the watch
+    if (!begin) return 0.0;
+    engine::RunState& from = *begin;
     if (card_.settling_time && *card_.settling_time > 0.0) march.advance(from, *card_.settling_time, nullptr);
     const double length = periods * *card_.period;
     engine::Request request;
@@ -312,11 +314,15 @@ class Finder {
     return true;
   }
 
-  engine::RunState start() {
+  /// None: the orbit says why.
+  std::optional<engine::RunState> start() {
     const engine::RunStart from =
         card_.use_initial_conditions ? engine::start_from_initial_values(*model_) : engine::start_from_operating_point(*model_);
     tell(from.answer.remarks);
-    return from;
+    if (from.answer.outcome == engine::Outcome::completed) return from;
+    state_.orbit.verdict = Verdict::run_failed;
+    state_.orbit.answer = from.answer;
+    return std::nullopt;
   }
 
   void find_driven() {
@@ -324,7 +330,9 @@ class Finder {
     const bool begins_on_segments = runs_by_segments(compiled_.network, choice_ == EngineChoice::modes ? EngineChoice::exact : choice_);
     if (begins_on_segments)
       if (const auto remarks = find_driven_from_segments()) return tell(*remarks);
-    state_.orbit = steady::find_driven_orbit(*march_, start(), task_);
+    const std::optional<engine::RunState> from = start();
+    if (!from) return;
+    state_.orbit = steady::find_driven_orbit(*march_, *from, task_);
     if (state_.orbit.verdict == Verdict::not_converged && !begins_on_segments) (void)find_driven_from_segments();
   }
 
@@ -382,13 +390,16 @@ class Finder {
       if (!section) return;
       task.section = std::move(*section);
     }
-    state_.orbit = steady::find_self_timed_orbit(*march_, start(), task);
+    std::optional<engine::RunState> from = start();
+    if (!from) return;
+    state_.orbit = steady::find_self_timed_orbit(*march_, *from, task);
     if (card_.trigger == Trigger::crosses)
       state_.orbit.section = fmt::format("{} {} through {}", card_.element, card_.is_falling ? "falls" : "rises",
                                          card_.level_is_mean ? std::string("its mean") : fmt::format("{}", card_.level));
     if (!card_.level_is_mean || state_.orbit.verdict != Verdict::no_event) return;
     task.section.reset();  // what oscillates does not pass its mean
-    state_.orbit = steady::find_self_timed_orbit(*march_, start(), task);
+    from = start();
+    if (from) state_.orbit = steady::find_self_timed_orbit(*march_, *from, task);
   }
 
   std::optional<steady::Section> section_of_card() {

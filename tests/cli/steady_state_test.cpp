@@ -38,6 +38,14 @@ std::string deane_hamill(const std::string& vin, const std::string& card) {
 
 }  // namespace
 
+TEST_CASE("where .ic contradicts the circuit there is no start for an orbit", "[unit]") {
+  const Scratch scratch;
+  scratch.write("s.net", "t\nV1 a 0 SIN(0 1 1k)\nR1 a b 1k\nC1 b 0 1u\nV2 b 0 2\n.ic v(b)=3\n.pss\n.end\n");
+  const Finished finished = run_in(scratch, {"s.net"});
+  CHECK(finished.status == 1);
+  CHECK_THAT(finished.err, Catch::Matchers::Contains("error[E-ic-contradiction]: on the way to the orbit, .ic forces voltages"));
+}
+
 TEST_CASE("an RC circuit under a square wave: orbit and multiplier are exponentials", "[unit]") {
   // From v₀ towards 1 V for T/2, then towards 0: v₀ = (1 − a)a/(1 − a²), a = e^{−T/2RC}; the multiplier is a².
   const Scratch scratch;
