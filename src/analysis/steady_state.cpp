@@ -319,10 +319,15 @@ class Finder {
     const engine::RunStart from =
         card_.use_initial_conditions ? engine::start_from_initial_values(*model_) : engine::start_from_operating_point(*model_);
     tell(from.answer.remarks);
-    if (from.answer.outcome == engine::Outcome::completed) return from;
+    if (!has_begun(from.answer)) return std::nullopt;
+    return from;
+  }
+
+  bool has_begun(const engine::Answer& answer) {
+    if (answer.outcome == engine::Outcome::completed) return true;
     state_.orbit.verdict = Verdict::run_failed;
-    state_.orbit.answer = from.answer;
-    return std::nullopt;
+    state_.orbit.answer = answer;
+    return false;
   }
 
   void find_driven() {
@@ -365,11 +370,7 @@ class Finder {
   void find_driven_by_segments() {
     const engine::sparse::Starts from = state_.map->start(card_.use_initial_conditions);
     tell(from.answer.remarks);
-    if (from.answer.outcome != engine::Outcome::completed) {
-      state_.orbit.verdict = Verdict::run_failed;
-      state_.orbit.answer = from.answer;
-      return;
-    }
+    if (!has_begun(from.answer)) return;
     if (!from.missing.empty()) state_.messages.push_back(message_of(engine::starts_without_operating_point(from.missing.text())));
     state_.begin = from.parts;
     state_.orbit = steady::find_segment_orbit(*state_.map, state_.begin, task_);

@@ -84,10 +84,6 @@ class ModeEquations {
   }
 
   [[nodiscard]] Wide largest_state(const WideVector& v) const { return n_ > 0 ? v.head(n_).cwiseAbs().maxCoeff() : 0; }
-  /// Of a step in ξ.
-  [[nodiscard]] double share_of_states(const WideVector& step, const WideVector& v) const {
-    return largest_state(v) > 0 ? static_cast<double>(largest_state(step) / largest_state(v)) : 0.0;
-  }
   /// What ξ might be: a capacitor takes the voltage of its port.
   [[nodiscard]] Wide scale_of_states(const WideVector& v) const {
     return std::max(largest_state(v), largest_input(v) * unit_ / slow_unit_);
@@ -176,14 +172,22 @@ StaticModeSolution solve_static_mode(const model::System& system, const Vector& 
     const WideElimination held = equations.held(epsilon);
     result.exists = settles(equations, held, x0.cast<Wide>(), system.passive, v);
     if (!v.allFinite()) return result;
-    if (!result.exists) continue;
-    result.unique = system.n == 0 || !leaves_states_open(equations, held);
-    if (v.size() > 0) result.doubt = equations.share_of_states(equations.held(doubt_epsilon).solve(equations.rounding_of(v)), v);
+    if (result.exists) result.unique = system.n == 0 || !leaves_states_open(equations, held);
   }
   result.xi = v.head(system.n);
   for (std::size_t i = 0; i < active.size(); ++i)
     result.u[active[i]] = v[system.n + static_cast<Eigen::Index>(i)] * equations.unit_of_inputs();
   return result;
+}
+
+double rounding_share(const model::System& system, const Vector& zeta, const std::vector<int>& active, double rate, const WideVector& xi,
+                      const WideVector& u) {
+  const ModeEquations equations(system, zeta, active, rate);
+  WideVector v(equations.size());
+  v << xi, u(active) / equations.unit_of_inputs();
+  if (!(equations.largest_state(v) > 0)) return 0.0;
+  const WideVector noise = equations.held(doubt_epsilon).solve(equations.rounding_of(v));
+  return static_cast<double>(equations.largest_state(noise) / equations.largest_state(v));
 }
 
 }  // namespace pwlsim::engine

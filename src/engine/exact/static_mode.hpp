@@ -16,11 +16,14 @@ struct StaticModeSolution {
   bool exists = false;
   bool unique = true;  ///< ξ
   linalg::WideVector xi, u;
-  double doubt = 0.0;  ///< of ξ, of its largest: what rounding of A, B and C makes of it
 };
 
 /// `rate`: of the slowest states.
 [[nodiscard]] StaticModeSolution solve_static_mode(const model::System& system, const linalg::Vector& zeta, const std::vector<int>& active,
                                                    const linalg::Vector& x0, double rate);
+
+/// Of a solution's ξ, of its largest: what rounding of A, B and C makes of it.
+[[nodiscard]] double rounding_share(const model::System& system, const linalg::Vector& zeta, const std::vector<int>& active, double rate,
+                                    const linalg::WideVector& xi, const linalg::WideVector& u);
 
 }  // namespace pwlsim::engine

@@ -35,7 +35,7 @@ class StaticProblem {
     double distance = 0.0;
     bool kernel = false;      ///< its mode leaves ξ open
     bool degenerate = false;  ///< of some diode neither u nor y is positive
-    double doubt = 0.0;
+    std::vector<int> active;
   };
 
   /// The first that no other can be nearer to x₀ than, else the nearest found.
@@ -69,11 +69,15 @@ class StaticProblem {
     return true;
   }
 
+  [[nodiscard]] double doubt(const Found& found) const {
+    return rounding_share(system_, zeta_, found.active, ports_.slowest_rate(), found.xi, found.u);
+  }
+
  private:
   [[nodiscard]] std::optional<Found> solution_of(const std::vector<int>& active, const Vector& x0) const {
     StaticModeSolution mode = solve_static_mode(system_, zeta_, active, x0, ports_.slowest_rate());
     if (!mode.exists) return std::nullopt;
-    Found found{std::move(mode.xi), std::move(mode.u), 0.0, !mode.unique, false, mode.doubt};
+    Found found{std::move(mode.xi), std::move(mode.u), 0.0, !mode.unique, false, active};
     found.distance = static_cast<double>((found.xi - x0.cast<Wide>()).norm());
     if (!signs_hold(active, found)) return std::nullopt;
     return found;
@@ -117,7 +121,7 @@ StaticSolution solve_static(const model::System& s, const Vector& zeta, const st
     return solution;
   }
   solution.unique = problem.is_unique(*found);
-  solution.doubt = found->doubt;
+  solution.doubt = problem.doubt(*found);
   solution.x.resize(s.size());
   solution.x << found->xi.cast<double>(), zeta;
   solution.u = found->u.cast<double>();

@@ -21,8 +21,8 @@ constexpr std::array<int, 22> dimensions{3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 2
 constexpr int least_to_foretell = 8;       ///< below so many vectors a look costs less than a vector
 constexpr double share_of_foretold = 0.8;  ///< convergence speeds up
 constexpr int most_no_better = 3;          ///< looks at an error that do not lessen it: it is rounding
-constexpr int most_no_better_early =
-    6;  ///< the same above the rounding that vectors mostly have: a motion that S shows first as one of its own, growing, hides what the others gain
+/// The same above the rounding that vectors mostly have: a motion that S shows first as one of its own, growing, hides what the others gain.
+constexpr int most_no_better_early = 6;
 constexpr int most_cuts = 12, most_extensions = 6, most_doublings = 3;
 constexpr double first_look = 2.0, next_look = 4.0;  ///< how far events are looked for, of the expected length, and then of that
 constexpr double shorter = 32.0;                     ///< a segment that cannot be made is tried again at so small a part
