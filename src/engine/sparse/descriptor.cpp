@@ -63,6 +63,20 @@ std::vector<char> capacitors_read(const model::Network& network) {
   return read;
 }
 
+/// The mean of sqrt(L/C), else of the resistances. Those across diodes and switches say how well they block, not what flows elsewhere: they count where
+/// there are no others.
+double scale_of(const model::Network& network) {
+  LogMean capacitance, inductance, resistance, blocking;
+  for (const auto& c : network.capacitors) capacitance.add(std::abs(c.capacitance));
+  for (const auto& l : network.inductors) inductance.add(std::abs(l.inductance));
+  std::set<std::pair<NodeIndex, NodeIndex>> across;
+  for (const auto& d : network.diodes) across.insert(std::minmax(d.p, d.n));
+  for (const auto& s : network.switches) across.insert(std::minmax(s.p, s.n));
+  for (const auto& r : network.resistors) (across.contains(std::minmax(r.p, r.n)) ? blocking : resistance).add(std::abs(r.resistance));
+  const bool rings = !capacitance.empty() && !inductance.empty();
+  return rings ? std::sqrt(inductance.value() / capacitance.value()) : (resistance.empty() ? blocking : resistance).value();
+}
+
 }  // namespace
 
 /// Writes what elements put into E, G, H, g and closing rows.
@@ -122,8 +136,7 @@ class Descriptor::Stamps {
   Descriptor& d_;
 };
 
-Descriptor::Descriptor(const model::Network& network) : network_(network), sets_(network), windings_(network) {
-  choose_scale();
+Descriptor::Descriptor(const model::Network& network) : network_(network), r0_(scale_of(network)), sets_(network, r0_), windings_(network) {
   number_unknowns();
   constant_.assign(static_cast<std::size_t>(size()), 0.0);
   Stamps stamps(*this);
@@ -134,20 +147,6 @@ Descriptor::Descriptor(const model::Network& network) : network_(network), sets_
   note_valves();
   note_conductances();
   compress();
-}
-
-/// The mean of sqrt(L/C), else of the resistances. Those across diodes and switches say how well they block, not what flows elsewhere: they count where
-/// there are no others.
-void Descriptor::choose_scale() {
-  LogMean capacitance, inductance, resistance, blocking;
-  for (const auto& c : network_.capacitors) capacitance.add(std::abs(c.capacitance));
-  for (const auto& l : network_.inductors) inductance.add(std::abs(l.inductance));
-  std::set<std::pair<NodeIndex, NodeIndex>> across;
-  for (const auto& d : network_.diodes) across.insert(std::minmax(d.p, d.n));
-  for (const auto& s : network_.switches) across.insert(std::minmax(s.p, s.n));
-  for (const auto& r : network_.resistors) (across.contains(std::minmax(r.p, r.n)) ? blocking : resistance).add(std::abs(r.resistance));
-  const bool rings = !capacitance.empty() && !inductance.empty();
-  r0_ = rings ? std::sqrt(inductance.value() / capacitance.value()) : (resistance.empty() ? blocking : resistance).value();
 }
 
 void Descriptor::number_unknowns() {

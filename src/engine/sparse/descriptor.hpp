@@ -188,7 +188,6 @@ class Descriptor {
   [[nodiscard]] double weight(const std::vector<double>& a, std::size_t row) const;
   [[nodiscard]] std::vector<double> node_admittances(double shift) const;
   [[nodiscard]] std::vector<double> at_ports(const std::vector<double>& of_nodes) const;
-  void choose_scale();
   void number_unknowns();
   void scale_complementarities();
   void add_stores();
@@ -209,7 +208,7 @@ class Descriptor {
   };
   std::vector<int> valves_;  ///< ports that switches enable
   const model::Network& network_;
-  double r0_ = 1.0, largest_capacitance_ = 0.0;
+  double r0_, largest_capacitance_ = 0.0;
   model::Unknowns unknowns_;
   FloatingSets sets_;
   Windings windings_;

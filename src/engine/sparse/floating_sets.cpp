@@ -15,10 +15,16 @@ using model::NodeIndex;
 
 namespace {
 
-/// Joins nodes by ever smaller capacitors.
+/// What joins two nodes, and how strongly: a capacitance, or a conductance.
+struct Join {
+  NodeIndex p, n;
+  double strength;
+};
+
+/// Joins nodes by ever smaller capacitors, and what these join by ever larger resistors.
 class SetBuilder {
  public:
-  explicit SetBuilder(const model::Network& network)
+  SetBuilder(const model::Network& network, double r0)
       : sets_(static_cast<int>(network.nodes.size()) + 1),
         groups_(network.nodes.size() + 1),
         beyond_(network.nodes.size(), ground),
@@ -28,13 +34,16 @@ class SetBuilder {
       for (const NodeIndex node : {branch.p, branch.n})
         if (node != ground) at_source_[static_cast<std::size_t>(node)] = 1;
     for (NodeIndex node = 0; node < static_cast<NodeIndex>(network.nodes.size()); ++node) group(node).rows = {node};
-    std::vector<std::size_t> order(network.capacitors.size());
-    std::iota(order.begin(), order.end(), 0U);
-    const auto size = [&](std::size_t i) { return std::abs(network.capacitors[i].capacitance); };
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size(a) > size(b); });
-    for (const std::size_t i : order) join(network.capacitors[i].p, network.capacitors[i].n, size(i));
-    for (NodeIndex node = 0; node < static_cast<NodeIndex>(network.nodes.size()); ++node)
-      if (sets_.find(node + 1) == node + 1) close(group(node));
+    std::vector<Join> joins;
+    for (const auto& c : network.capacitors) joins.push_back({c.p, c.n, std::abs(c.capacitance)});
+    join_strongest_first(joins, tolerance::small_capacitor);
+    close_all();
+    joins.clear();
+    for (const auto& branch : network.branches) joins.push_back({branch.p, branch.n, 1.0 / r0});
+    for (const auto& l : network.inductors) joins.push_back({l.p, l.n, 1.0 / r0});
+    for (const auto& r : network.resistors) joins.push_back({r.p, r.n, 1.0 / std::abs(r.resistance)});
+    join_strongest_first(joins, tolerance::small_conductance);
+    close_all();
   }
   [[nodiscard]] std::vector<int> take() { return std::move(beyond_); }
 
@@ -47,20 +56,35 @@ class SetBuilder {
   };
   [[nodiscard]] Group& group(NodeIndex node) { return groups_[static_cast<std::size_t>(sets_.find(node + 1))]; }
 
-  void join(NodeIndex p, NodeIndex n, double capacitance) {
-    if (sets_.find(p + 1) == sets_.find(n + 1)) return;
-    for (const NodeIndex node : {p, n})
-      if (capacitance < tolerance::small_capacitor * group(node).largest) close(group(node));
-    const std::pair<int, int> rows{outermost(p), outermost(n)};
+  /// `small`: of the strongest that joins a set, the part below which it is closed first.
+  void join_strongest_first(std::vector<Join>& joins, double small) {
+    std::stable_sort(joins.begin(), joins.end(), [](const Join& a, const Join& b) { return a.strength > b.strength; });
+    for (const auto& [p, n, strength] : joins) {
+      if (sets_.find(p + 1) != sets_.find(n + 1))
+        for (const NodeIndex node : {p, n})
+          if (strength < small * group(node).largest) close(group(node));
+      const std::pair<int, int> rows{outermost(p), outermost(n)};
+      Group& both = join(p, n);
+      if (both.largest > 0.0) continue;
+      both.largest = strength;
+      both.first = rows;
+    }
+  }
+
+  Group& join(NodeIndex p, NodeIndex n) {
+    if (sets_.find(p + 1) == sets_.find(n + 1)) return group(p);
     Group a = std::move(group(p)), b = std::move(group(n));
     sets_.join(p + 1, n + 1);
     Group& both = group(p);
     if (a.largest < b.largest) std::swap(a, b);
     both = std::move(a);
     both.rows.insert(both.rows.end(), b.rows.begin(), b.rows.end());
-    if (both.largest > 0.0) return;
-    both.largest = capacitance;
-    both.first = rows;
+    return both;
+  }
+
+  void close_all() {
+    for (NodeIndex node = 0; node < static_cast<NodeIndex>(beyond_.size()); ++node)
+      if (sets_.find(node + 1) == node + 1) close(group(node));
   }
 
   /// The row of the largest set around a node so far.
@@ -91,7 +115,7 @@ class SetBuilder {
 
 }  // namespace
 
-FloatingSets::FloatingSets(const model::Network& network) : beyond_(SetBuilder(network).take()) {}
+FloatingSets::FloatingSets(const model::Network& network, double r0) : beyond_(SetBuilder(network, r0).take()) {}
 
 std::vector<FloatingSets::Cut> FloatingSets::cuts(NodeIndex p, NodeIndex n) const {
   std::vector<Cut> result;

@@ -21,6 +21,7 @@ constexpr double most_growth = 1e3;  ///< of y over a segment: more is made of r
 /// Of what the motion begins with: terms, and what each is at most of the one before, but for the first, in which motions may cancel. What shrinks no further is rounding.
 constexpr int most_terms = 40, first_terms = 2;
 constexpr double share_of_term = 0.25;
+constexpr double least_current = 1e-6;  ///< of the voltages, both in volts: where all begin at zero, a current is no part of itself
 
 /// The rows of G that are rows of E, too.
 linalg::SparseMatrix conduction_of_stores(const linalg::SparseMatrix& conduction, const std::vector<char>& is_differential) {
@@ -171,8 +172,8 @@ std::optional<KrylovSpace::Beginning> KrylovSpace::unknowns_at_start() {
     vectors_.col(0) = -changes_.col(0);
     zetas_.col(0) = -zeta_changes_.col(0);
     const Vector& term = vectors_.col(0);
-    const double size = std::max(share_of(largest_of(term.head(nodes)), largest_of(sum.head(nodes))),
-                                 share_of(largest_of(term.tail(others)), largest_of(sum.tail(others))));
+    const double voltage = largest_of(sum.head(nodes)), current = std::max(largest_of(sum.tail(others)), least_current * voltage);
+    const double size = std::max(share_of(largest_of(term.head(nodes)), voltage), share_of(largest_of(term.tail(others)), current));
     const bool shrinks = k <= first_terms || size <= share_of_term * before;
     if (!shrinks && !(before <= tolerance::unknown_rounding)) return std::nullopt;
     if (shrinks) sum += (k + 1.0) * term;

@@ -284,6 +284,7 @@ class PartRun {
     std::vector<double> z, memory;  ///< what it begins from
     int passed = -1;                ///< the port that ended the one before; −1: none
     std::vector<double> signals;    ///< there; empty until they are asked for
+    bool is_given = false;          ///< the states are those that the deck gives, without rounding
   } segment_start_;
   std::unique_ptr<StartUnknowns> start_unknowns_;  ///< null until a row asks for them
   std::vector<SegmentRecord>* records_ = nullptr;

@@ -32,6 +32,8 @@ PartRun::Sought PartRun::take_jump_of(const Point& step, double h) {
 
 /// Where impulses leave no digits in a segment that begins before the jump.
 PartRun::Sought PartRun::jump_by_step(const Point& step, double h) {
+  if (starting_ && !passes_jump_)
+    return Sought::not_found;  // what is given may be moved by what is fast alone: shorter segments follow that
   const double longest = std::max(room(), break_tolerance_);
   const double length = segment_->step(factors_, {point_.time, step.on, point_.z, start_memory_, longest}, first_.z);
   if (length == 0.0 || !(difference(states_, first_.z) > tolerance::jump)) return Sought::not_found;
@@ -125,7 +127,6 @@ bool PartRun::is_jump_of(const Position& on) {
 /// Whether a port that blocks takes its impulse in the jump, and blocked before, but is on its wrong side after it: what counts as a jump is then mostly the decay of a current behind leaks, in which
 /// the port turns on.
 bool PartRun::passes_zero_in_jump(const std::vector<double>& impulses, const std::vector<double>& whole, const Position& on) const {
-  if (starting_) return false;
   const double visible = tolerance::impulse_rounding * largest(whole);
   const auto passes = [&](int guard) {
     if (guard >= descriptor_.first_switch() || on[static_cast<std::size_t>(guard)] != 0) return false;

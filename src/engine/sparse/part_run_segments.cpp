@@ -37,7 +37,7 @@ bool PartRun::begin_segment() {
     if (!position_ahead_.empty()) position_ahead_[gate.port()] = point_.on[gate.port()];
   if (!starting_) descriptor_.measure_states(point_.z.data(), states_);
   const Beginning beginning{point_.on, instant};
-  const std::vector<double> states = states_, z = point_.z;
+  const std::vector<double> states = states_, z = point_.z, memory = start_memory_;
   const int passed = passing_;
   ties_->note_input_terms(segment_->input_terms());
   segment_->note_passing(passing_);
@@ -67,7 +67,13 @@ bool PartRun::begin_segment() {
   if (records_) record_begin(next);
   settle_in(next);
   const bool is_port = passed >= 0 && passed < descriptor_.first_switch();
-  segment_start_ = {point_.on, std::move(next.z), start_memory_, is_port && !instant.jump ? passed : -1, {}};
+  segment_start_ = {point_.on, std::move(next.z), start_memory_, is_port && !instant.jump ? passed : -1, {}, false};
+  const bool has_one_position = jumps_taken_.empty() || (jumps_taken_.size() == 1 && jumps_taken_.front() == point_.on);
+  if (starting_ && request_.use_initial_conditions && has_one_position) {  // what is fast there may have been taken for a jump
+    segment_start_.z = z;
+    segment_start_.memory = memory;
+    segment_start_.is_given = true;
+  }
   finish_instant(instant);
   watch_accumulation(beginning, instant, passed);
   const bool goes_on = watch_crowd(time);
@@ -161,7 +167,8 @@ const std::vector<double>& PartRun::signals_at_start() {
     const double size = std::max({signal_scale_[i], std::abs(start), std::abs(values[i])});
     const double step = std::abs(start - values[i]);
     // A peak beyond all that the signal has had is believed only where it is far from what rounding of the states makes across a leak.
-    const double share = step > signal_scale_[i] ? largest_share(signals_[i], found->decays) : 0.0;
+    const bool is_peak = !segment_start_.is_given && step > std::max(signal_scale_[i], std::abs(values[i]));
+    const double share = is_peak ? largest_share(signals_[i], found->decays) : 0.0;
     const double noise = tolerance::same_jump * segment_->size() * share;
     if (step > std::max(tolerance::known_digits * size, noise)) values[i] = start;  // else what rows behind it go on from
   }

@@ -25,12 +25,14 @@ class StartUnknowns {
     const KrylovSpace::Origin& origin;
     double size = 0.0, step = 0.0;
   };
-  /// None where no step is short enough, or a port is on its wrong side there: it changes sides and back while something decays, which the segment does not follow.
+  /// None where no step is short enough, or ports have their signs in no position: one that is on its wrong side in that of the segment, and changes sides while something decays that the segment
+  /// does not follow, begins on the other.
   [[nodiscard]] std::optional<KrylovSpace::Beginning> find(const Start& start);
   [[nodiscard]] const linalg::KluOrdering::Counts& counts() const { return factors_.counts(); }
 
  private:
-  [[nodiscard]] bool has_signs_of(const Position& on, const std::vector<double>& z, double time) const;
+  [[nodiscard]] std::optional<KrylovSpace::Beginning> find_in(const Position& on, const Start& start);
+  [[nodiscard]] std::vector<std::size_t> ports_on_wrong_side(const Position& on, const std::vector<double>& z, double time) const;
 
   const Descriptor& descriptor_;
   const Sources& sources_;
