@@ -70,10 +70,18 @@ Remark starts_without_operating_point(const std::string& what) {
   return {"W-no-operating-point", what + ". It starts from the values of .ic, and from zero elsewhere; try uic, which also uses ic="};
 }
 
-Remark operating_point_not_unique(const std::string& part) {
-  return {"W-op-not-unique",
-          "the DC operating point of the part with " + part +
-              " is not unique (a loop without resistance or a floating capacitor); the run starts from the one of least energy"};
+Remark operating_point_not_unique(const std::string& part, const std::string& which) {
+  return {"W-op-not-unique", "the DC operating point of the part with " + part +
+                                 " is not unique (a loop without resistance or a floating capacitor); the run starts from " + which};
+}
+
+Remark indeterminate(const std::set<std::string>& signals) {
+  return {
+      "N-indeterminate",
+      fmt::format("{}: the circuit does not determine how currents divide, or the potential of a floating part, in some of its modes; the "
+                  "rows hold the values of least norm",
+                  fmt::join(signals, ", ")),
+      {signals.begin(), signals.end()}};
 }
 
 void ModeText::add(const std::string& name, bool is_on) {

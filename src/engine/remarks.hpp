@@ -1,6 +1,7 @@
 #pragma once
 /// Remarks and failures of runs, worded once for every engine.
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,11 @@ inline constexpr const char* no_operating_point = "E-no-operating-point";
 /// W-no-operating-point: `what` has none.
 [[nodiscard]] Remark starts_without_operating_point(const std::string& what);
 
-/// W-op-not-unique: `part`, as its island is called, has others.
-[[nodiscard]] Remark operating_point_not_unique(const std::string& part);
+/// W-op-not-unique: `part`, as its island is called, has others; `which` says which is taken, "the one of least energy".
+[[nodiscard]] Remark operating_point_not_unique(const std::string& part, const std::string& which);
+
+/// N-indeterminate: the names of the signals.
+[[nodiscard]] Remark indeterminate(const std::set<std::string>& signals);
 
 /// Ends a run early.
 struct Ending {

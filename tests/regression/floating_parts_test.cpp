@@ -85,3 +85,27 @@ TEST_CASE("a run from given values begins before its leaks are charged", "[regre
     for (std::size_t k = 1; k <= 4; ++k) CHECK(run.rows.front()[k] == Approx(0.0).margin(1e-9));
   }
 }
+
+// Two ideal diodes in parallel carry 1 A together, by Kirchhoff's law, and nothing says how they divide it. When the source of a bridge without leaks is below what its capacitor holds, all four diodes block: the source floats.
+TEST_CASE("segments tell which signals the circuit leaves open", "[regression]") {
+  const auto open = [](const test::DeckRun& run) {
+    INFO(run.messages << run.answer.message);
+    REQUIRE(run.answer.outcome == engine::Outcome::completed);
+    const auto remark =
+        std::find_if(run.answer.remarks.begin(), run.answer.remarks.end(), [](const auto& r) { return r.id == "N-indeterminate"; });
+    return remark == run.answer.remarks.end() ? std::vector<std::string>{} : remark->signals;
+  };
+  const std::vector<std::string> shared{"i(D1)", "i(D2)"}, floating{"v(p0)", "v(p1)"};
+  CHECK(
+      open(test::run_text_segments(
+          "t\nI1 0 a 1\nD1 a b DI\nD2 a b DI\nR1 b 0 2\nC1 b 0 1u\n.model DI D\n.save i(D1) i(D2) v(b) i(R1)\n.tran 1u 10u uic\n.end\n")) ==
+      shared);
+  CHECK(open(test::run_text_segments(
+            "t\nV1 p0 p1 SIN(0 10 50)\nD1 p0 dp DI\nD2 0 p0 DI\nD3 p1 dp DI\nD4 0 p1 DI\nC1 dp 0 100u\nR1 dp 0 1k\n.model DI D(Vfwd=0.5)\n"
+            ".save v(p0) v(p1) v(p0,p1) v(dp)\n.tran 1m 20m uic\n.end\n")) == floating);
+  // With leaks it is held.
+  CHECK(open(test::run_text_segments("t\nV1 p0 p1 SIN(0 10 50)\nD1 p0 dp DI\nD2 0 p0 DI\nD3 p1 dp DI\nD4 0 p1 DI\nC1 dp 0 100u\nR1 dp 0 "
+                                     "1k\n.model DI D(Vfwd=0.5 Roff=1G)\n"
+                                     ".save v(p0) v(p1) v(p0,p1) v(dp)\n.tran 1m 20m uic\n.end\n"))
+            .empty());
+}

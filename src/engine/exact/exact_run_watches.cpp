@@ -215,13 +215,7 @@ void ExactRun::note_open_signals() {
   for (const auto& island : islands_)
     for (const std::size_t output : island.selector().modes().open_outputs())
       names.insert(model_.signal_names[static_cast<std::size_t>(island.system().output_signal[output])]);
-  if (!names.empty())
-    answer_.remarks.push_back(Remark{"N-indeterminate",
-                                     fmt::format("{}: the circuit does not determine how currents divide, or the potential of a floating "
-                                                 "part, in some of its modes; the rows hold "
-                                                 "the values of least norm",
-                                                 fmt::join(names, ", ")),
-                                     {names.begin(), names.end()}});
+  if (!names.empty()) answer_.remarks.push_back(indeterminate(names));
 }
 
 /// Whether charge and flux have gone on as impulses have it, and every port has kept its inequality up to here.

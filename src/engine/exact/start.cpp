@@ -319,7 +319,7 @@ std::optional<SharperRest> sharper_rest(const IslandModel& island, const StaticS
 void take_solution(const IslandModel& island, const model::System& system, const StaticSolution& solution, bool has_before,
                    RunStart& start) {
   const model::System& s = island.extraction.system;
-  if (!solution.unique) start.answer.remarks.push_back(operating_point_not_unique(island_elements(s)));
+  if (!solution.unique) start.answer.remarks.push_back(operating_point_not_unique(island_elements(s), "the one of least energy"));
   const auto sharper = &system == &s ? sharper_rest(island, solution, start.on) : std::nullopt;
   start.xi.push_back(&system != &s ? energy_from(island, system, solution) : sharper ? sharper->xi : Vector(solution.x.head(s.n)));
   if (!has_before) return;

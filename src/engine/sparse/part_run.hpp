@@ -22,6 +22,7 @@
 #include "engine/sparse/controls.hpp"
 #include "engine/sparse/exact_segment.hpp"
 #include "engine/sparse/forecast.hpp"
+#include "engine/sparse/open_signals.hpp"
 #include "engine/sparse/part.hpp"
 #include "engine/sparse/segment_record.hpp"
 #include "engine/sparse/stall_watch.hpp"
@@ -101,6 +102,8 @@ class PartRun {
   [[nodiscard]] std::vector<Remark> threshold_remarks();
   /// Limits of infinitely many events from which it went on.
   [[nodiscard]] const std::vector<Remark>& limits() const { return limit_remarks_; }
+  /// Names of the signals that some of its segments leave open.
+  [[nodiscard]] std::vector<std::string> open_signals() const;
   /// Whether the start contradicted the network, so far as the largest values of its states tell: what a leak takes from a store at once is no contradiction.
   [[nodiscard]] bool start_projected() const;
 
@@ -286,6 +289,7 @@ class PartRun {
     std::vector<double> signals;    ///< there; empty until they are asked for
     bool is_given = false;          ///< the states are those that the deck gives, without rounding
   } segment_start_;
+  std::unique_ptr<OpenSignals> open_signals_;      ///< null where the network is not passive
   std::unique_ptr<StartUnknowns> start_unknowns_;  ///< null until a row asks for them
   std::vector<SegmentRecord>* records_ = nullptr;
   std::vector<Position> jumps_taken_;  ///< at the instant at hand

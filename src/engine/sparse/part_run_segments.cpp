@@ -48,6 +48,8 @@ bool PartRun::begin_segment() {
   segment_->accept();
   segment_->note_jump(0.0);
   segment_->set_signals(signals_);
+  if (open_signals_ && !records_)
+    open_signals_->note(point_.on, segment_->idle_ports(), segment_->free_ports(), 1.0 / segment_->step_length());
   segment_tau_ = 0.0;
   Point next = point_of_segment(0.0, time, certificate_.looks_next());
   instant.jump |= moves(states, z, next.z);
@@ -136,6 +138,13 @@ void PartRun::go_to_limit() {
   restart_due_ = true;
   position_before_ = point_.on;
   last_guard_ = passing_ = -1;
+}
+
+std::vector<std::string> PartRun::open_signals() const {
+  std::vector<std::string> names;
+  if (open_signals_)
+    for (const std::size_t number : open_signals_->find(signals_)) names.push_back(part_.island.network.signals[number].name);
+  return names;
 }
 
 /// Whether a row at that time shows what the segment begins with.

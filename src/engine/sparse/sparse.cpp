@@ -32,7 +32,7 @@ Starts starts_of(const SparseModel& model, bool uic) {
     starts.parts.push_back(uic ? start_from_initial_values(part->island.network, part->descriptor)
                                : start_from_operating_point(part->island.network, part->descriptor));
     starts.missing.add(starts.parts.back().missing);
-    if (!starts.parts.back().is_unique) starts.answer.remarks.push_back(operating_point_not_unique(part->island.name));
+    if (!starts.parts.back().is_unique) starts.answer.remarks.push_back(operating_point_not_unique(part->island.name, "one of them"));
     if (starts.parts.back().answer.outcome == Outcome::completed) continue;
     starts.answer = starts.parts.back().answer;
     starts.parts.clear();

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "engine/remarks.hpp"
 #include "engine/sparse/jumps.hpp"
@@ -334,6 +336,10 @@ void SparseRun::finish() {
     damped = std::max(damped, track->run.damped());
     c.passive = c.passive && track->part.descriptor.passive();
   }
+  std::set<std::string> open;
+  for (const auto& track : tracks_)
+    for (std::string& name : track->run.open_signals()) open.insert(std::move(name));
+  if (!open.empty()) answer_.remarks.push_back(indeterminate(open));
   std::stable_sort(answer_.jumps.begin(), answer_.jumps.end(), [](const Jump& a, const Jump& b) { return a.time < b.time; });
   answer_.jumps.resize(std::min(answer_.jumps.size(), most_jumps_kept));
   answer_.statistics.events -= shared_instants_;
