@@ -109,3 +109,22 @@ TEST_CASE("segments tell which signals the circuit leaves open", "[regression]")
                                      ".save v(p0) v(p1) v(p0,p1) v(dp)\n.tran 1m 20m uic\n.end\n"))
             .empty());
 }
+
+// While all four switches of a charge pump are off, their leaks, which are alike, hold the potential of its capacitor: (v(i) − v(a)) + (v(i) − v(b)) = v(b) + v(a) − v(out) by Kirchhoff's law.
+TEST_CASE("what flowed through switches that have opened leaves no rounding in their leaks", "[regression]") {
+  const auto run = test::run_text_segments(
+      "t\nVg0 g0 0 PULSE(0 1 6.9e-06 1.4e-08 1.4e-08 6.3086e-05 0.00014)\nVg1 g1 0 PULSE(0 1 7.69e-05 1.4e-08 1.4e-08 6.3086e-05 0.00014)\n"
+      "V1 in 0 5\nR1 in i 0.0864\nS1 i a g0 0 SX\nS2 b 0 g0 0 SX\nS3 i b g1 0 SX\nS4 a out g1 0 SX\nC1 a b 0.000382\nC2 out 0 0.00334\nR2 "
+      "out 0 45.4\n"
+      ".model SX SW(Ron=0.041 Roff=17000000 Vt=0.5)\n.save v(g0) v(g1) v(i) v(a) v(b) v(out)\n.tran 1u 0.7m uic\n.end\n");
+  INFO(run.messages << run.answer.message);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  int found = 0;
+  for (const auto& row : run.rows) {
+    if (row[1] > 0.0 || row[2] > 0.0) continue;
+    ++found;
+    INFO("t = " << row[0]);
+    CHECK(2.0 * row[3] - 2.0 * (row[4] + row[5]) + row[6] == Approx(0.0).margin(1e-9));
+  }
+  CHECK(found > 50);
+}

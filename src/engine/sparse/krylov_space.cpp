@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
+#include "base/arithmetic.hpp"
 #include "base/disjoint_sets.hpp"
 #include "engine/sparse/tolerances.hpp"
 #include "linalg/factorisations.hpp"
@@ -15,6 +17,7 @@ namespace {
 using linalg::Matrix;
 using linalg::Vector;
 
+constexpr double share_of_input = 1e-6;  ///< of the largest current: less is rounding, or a leak
 constexpr double clear_direction = 1e3;  ///< of the rounding of T z: what is left of it has three digits
 constexpr double share_of_integral = 0.1, share_of_start = 1e-3;
 constexpr double most_growth = 1e3;  ///< of y over a segment: more is made of rounding
@@ -113,6 +116,7 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   resting_.find(on, {start.z, start.more, !before.isZero(0.0)}, state_weight_, size);
   given_start_ = start_ = start.z;
   resting_.cut_off(start_);
+  forget_inputs();
   begin_change({start_, start.more, start.zeta}, before);
   given_ = right_;
   factor.solve(right_);
@@ -141,6 +145,18 @@ KrylovSpace::Begun KrylovSpace::begin(const Factor& factor, double shift, const 
   zetas_.col(0) = zeta / norm_;
   measured_.col(0) = x / norm_;
   return Begun::yes;
+}
+
+/// What flowed through ports that are off now is no part of S z0, and would leave its rounding in rows of leaks.
+void KrylovSpace::forget_inputs() {
+  const auto nodes = static_cast<std::size_t>(descriptor_.nodes());
+  const double current = largest(std::span(start_).subspan(nodes));
+  double most = 0.0;
+  for (std::size_t i = 0; i < on_.size(); ++i)
+    if (on_[i] == 0) most = std::max(most, std::abs(start_[static_cast<std::size_t>(descriptor_.ports()[i].row)]));
+  if (!(most > share_of_input * current)) return;
+  for (std::size_t i = 0; i < on_.size(); ++i)
+    if (on_[i] == 0) start_[static_cast<std::size_t>(descriptor_.ports()[i].row)] = 0.0;
 }
 
 std::vector<double> KrylovSpace::first_unknowns() const {

@@ -151,6 +151,7 @@ class KrylovSpace {
  private:
   [[nodiscard]] static double coupling_of(const model::Network& network);
   void begin_change(const Origin& start, const linalg::Vector& zeta);
+  void forget_inputs();
   void solve(std::vector<double>& r, const linalg::Vector& w, double one);
   void settle(std::vector<double>& z, const linalg::Vector& w, double one);
   void correct(std::vector<double>& z, const linalg::Vector& w, double one);
