@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Error against time of the engines and of ngspice on large circuits, and cost against size. Needs numpy and gnuplot; ngspice for its points.
 
-    precision.py --pwlsim build/pwlsim                     all of it: points.csv, then as --report (an hour and a half)
+    precision.py --pwlsim build/pwlsim                     all of it: points.csv, then as --report (half an hour)
     precision.py --pwlsim build/pwlsim "line 60" solar     this circuit and this family alone; the others keep their points
     precision.py --report                                  docs/validation/large/*.svg and the first part of docs/validation/large.md from points.csv
 
