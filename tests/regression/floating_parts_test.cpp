@@ -128,3 +128,17 @@ TEST_CASE("what flowed through switches that have opened leaves no rounding in t
   }
   CHECK(found > 50);
 }
+
+// a1 joins a capacitor and diodes that block: at rest it may be anywhere between the drop of D1 below ground and that of D2 above b1. A leak decides it.
+TEST_CASE("segments tell where a floating capacitor leaves the operating point open", "[regression]") {
+  const auto is_open = [](const std::string& leak) {
+    const auto run = test::run_text_segments(
+        "t\nV1 a0 0 -145\nC1 a0 a1 98.5n\nD1 0 a1 DI\nD2 a1 b1 DI\nC2 b1 0 98.5n\nV2 s 0 37\nR2 s b1 1k\n.model DI D(Ron=0.01 Vfwd=0.7)\n" +
+        leak + ".save v(a1) v(b1)\n.tran 1u 10u\n.end\n");
+    INFO(run.messages << run.answer.message);
+    REQUIRE(run.answer.outcome == engine::Outcome::completed);
+    return std::any_of(run.answer.remarks.begin(), run.answer.remarks.end(), [](const auto& r) { return r.id == "W-op-not-unique"; });
+  };
+  CHECK(is_open(""));
+  CHECK_FALSE(is_open("R1 a1 0 1G\n"));
+}

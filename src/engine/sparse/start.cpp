@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <span>
 
 #include "base/arithmetic.hpp"
+#include "base/disjoint_sets.hpp"
 #include "engine/sparse/port_solver.hpp"
 #include "engine/sparse/sources.hpp"
 #include "engine/sparse/tolerances.hpp"
@@ -85,7 +87,7 @@ class RestFinder {
   }
 
   /// Whether long steps from either side of the point that was found lead back to it. In a passive network, whose operating points are a convex set, they do only if it is the only one.
-  [[nodiscard]] bool is_unique() { return leads_back(beside) && leads_back(-beside); }
+  [[nodiscard]] bool is_unique() { return !leaves_charges_open() && leads_back(beside) && leads_back(-beside); }
 
   Position on;
   std::vector<double> z;
@@ -114,6 +116,25 @@ class RestFinder {
     std::vector<double> right(before.size()), moved;
     descriptor_.rates(before.data(), w_.data(), right.data());
     return ports_.solve({shift, before, right, w_}, position, moved, after);
+  }
+
+  /// Whether a capacitor joins parts that nothing else joins but ports that block, or carry nothing: these may shift against each other as far as diodes allow. Long steps, in which ties hold such a part, would not show that.
+  [[nodiscard]] bool leaves_charges_open() const {
+    if (!descriptor_.passive()) return false;
+    const Network& network = descriptor_.network();
+    DisjointSets sets(static_cast<int>(network.nodes.size()) + 1);
+    const auto join = [&](const auto& part) { sets.join(part.p + 1, part.n + 1); };
+    for (const auto& r : network.resistors) join(r);
+    for (const auto& l : network.inductors) join(l);
+    for (const auto& branch : network.branches) join(branch);
+    const double current = largest(std::span(z).subspan(static_cast<std::size_t>(descriptor_.nodes())));
+    for (std::size_t i = 0; i < on.size(); ++i) {
+      const DescriptorPort& port = descriptor_.ports()[i];
+      const bool carries = std::abs(z[static_cast<std::size_t>(port.row)]) > tolerance::dc_rest * current;
+      if (on[i] != 0 && (carries || port.is_switch)) join(port);
+    }
+    return std::any_of(network.capacitors.begin(), network.capacitors.end(),
+                       [&](const auto& c) { return sets.find(c.p + 1) != sets.find(c.n + 1); });
   }
 
   [[nodiscard]] bool leads_back(double share) {
