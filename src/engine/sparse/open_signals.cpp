@@ -1,5 +1,6 @@
 #include "engine/sparse/open_signals.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -9,7 +10,7 @@ namespace pwlsim::engine::sparse {
 
 namespace {
 
-constexpr std::size_t most_noted = 4096;  ///< that are looked at
+constexpr std::size_t most_noted = 4096, most_noted_bytes = 16u << 20;  ///< of positions that are looked at
 
 }  // namespace
 
@@ -28,7 +29,9 @@ void OpenSignals::note(const Position& on, const std::vector<int>& idle, const s
 }
 
 void OpenSignals::add(Position on, double shift) {
-  if (noted_.size() < most_noted && seen_.emplace(on.begin(), on.end()).second) noted_.push_back({std::move(on), shift});
+  if (noted_.size() < std::min(most_noted, most_noted_bytes / std::max<std::size_t>(on.size(), 1)) &&
+      seen_.emplace(on.begin(), on.end()).second)
+    noted_.push_back({std::move(on), shift});
 }
 
 std::vector<std::size_t> OpenSignals::find(const std::vector<Form>& signals) const {
