@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "regression/deck_run.hpp"
 
@@ -13,11 +14,23 @@ using namespace pwlsim;
 
 constexpr double visible = 1e-3;  ///< V below its drop a diode blocks for sure
 
+/// By segments, to its end.
+test::DeckRun segments_to_end(const std::string& deck) {
+  test::DeckRun run = test::run_text_segments(deck);
+  INFO(run.messages << run.answer.message);
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  return run;
+}
+
+/// Null where there is none.
+const engine::Remark* remark_of(const test::DeckRun& run, const std::string& id) {
+  const auto found = std::find_if(run.answer.remarks.begin(), run.answer.remarks.end(), [&](const auto& r) { return r.id == id; });
+  return found == run.answer.remarks.end() ? nullptr : &*found;
+}
+
 /// Rows in which all diodes block. Their leaks are alike, and what flows in through those from dp flows out through those to ground: Σ (v(dp) − v(p)) = Σ v(p) over the phases, by Kirchhoff's law.
 /// Signals: those of the phases, then v(dp). Returns their number.
 int check_blocked_rows(const test::DeckRun& run, double drop, double most) {
-  INFO(run.messages << run.answer.message);
-  REQUIRE(run.answer.outcome == engine::Outcome::completed);
   int found = 0;
   for (const auto& row : run.rows) {
     const double dp = row.back(), count = static_cast<double>(row.size() - 2);
@@ -53,12 +66,12 @@ TEST_CASE("the leaks of a blocked bridge hold the potential of its source", "[re
   }));
   INFO(bridge.what);
   const auto run =
-      test::run_text_segments("t\n" + bridge.cards + "D1 p0 dp DX\nD2 0 p0 DX\nD3 p1 dp DX\nD4 0 p1 DX\n.save v(p0) v(p1) v(dp)\n.end\n");
+      segments_to_end("t\n" + bridge.cards + "D1 p0 dp DX\nD2 0 p0 DX\nD3 p1 dp DX\nD4 0 p1 DX\n.save v(p0) v(p1) v(dp)\n.end\n");
   CHECK(check_blocked_rows(run, bridge.drop, bridge.most) > 5);
 }
 
 TEST_CASE("the leaks of a blocked bridge of three phases hold the potential of their star", "[regression]") {
-  const auto run = test::run_text_segments(
+  const auto run = segments_to_end(
       "t\nV1 s0 nn SIN(0 5.7 50 0 0 -0.0646)\nR1 s0 p0 0.279\nV2 s1 nn SIN(0 5.7 50 0 0 -120.0646)\nR2 s1 p1 0.279\n"
       "V3 s2 nn SIN(0 5.7 50 0 0 -240.0646)\nR3 s2 p2 0.279\nD1 p0 dp DX\nD2 0 p0 DX\nD3 p1 dp DX\nD4 0 p1 DX\nD5 p2 dp DX\nD6 0 p2 DX\n"
       "L1 dp out 0.000732\nC1 out 0 3.36e-05\nR4 out 0 218\n.model DX D(Ron=0.0982 Roff=10000000000 Vfwd=0.3)\n"
@@ -78,10 +91,8 @@ TEST_CASE("a run from given values begins before its leaks are charged", "[regre
       "L2 b out 0.0296\nC2 out 0 9.78e-06\nR1 out 0 121\nK1 L1 L2 0.5\n.model DX D(Ron=0.0237 Vfwd=0.7)\n"
       ".model SX SW(Ron=0.0237 Roff=1000000000 Vt=0.5)\n.save v(a) v(b) i(L1) i(L2)\n.tran 50u 2m uic\n.end\n";
   for (const std::string& deck : {sepic, cuk}) {
-    const auto run = test::run_text_segments(deck);
-    INFO(run.messages << run.answer.message);
-    REQUIRE(run.answer.outcome == engine::Outcome::completed);
-    CHECK(std::none_of(run.answer.remarks.begin(), run.answer.remarks.end(), [](const auto& r) { return r.id == "W-start-projected"; }));
+    const auto run = segments_to_end(deck);
+    CHECK(remark_of(run, "W-start-projected") == nullptr);
     for (std::size_t k = 1; k <= 4; ++k) CHECK(run.rows.front()[k] == Approx(0.0).margin(1e-9));
   }
 }
@@ -89,36 +100,31 @@ TEST_CASE("a run from given values begins before its leaks are charged", "[regre
 // Two ideal diodes in parallel carry 1 A together, by Kirchhoff's law, and nothing says how they divide it. When the source of a bridge without leaks is below what its capacitor holds, all four diodes block: the source floats.
 TEST_CASE("segments tell which signals the circuit leaves open", "[regression]") {
   const auto open = [](const test::DeckRun& run) {
-    INFO(run.messages << run.answer.message);
-    REQUIRE(run.answer.outcome == engine::Outcome::completed);
-    const auto remark =
-        std::find_if(run.answer.remarks.begin(), run.answer.remarks.end(), [](const auto& r) { return r.id == "N-indeterminate"; });
-    return remark == run.answer.remarks.end() ? std::vector<std::string>{} : remark->signals;
+    const engine::Remark* remark = remark_of(run, "N-indeterminate");
+    return remark != nullptr ? remark->signals : std::vector<std::string>{};
   };
   const std::vector<std::string> shared{"i(D1)", "i(D2)"}, floating{"v(p0)", "v(p1)"};
   CHECK(
-      open(test::run_text_segments(
+      open(segments_to_end(
           "t\nI1 0 a 1\nD1 a b DI\nD2 a b DI\nR1 b 0 2\nC1 b 0 1u\n.model DI D\n.save i(D1) i(D2) v(b) i(R1)\n.tran 1u 10u uic\n.end\n")) ==
       shared);
-  CHECK(open(test::run_text_segments(
+  CHECK(open(segments_to_end(
             "t\nV1 p0 p1 SIN(0 10 50)\nD1 p0 dp DI\nD2 0 p0 DI\nD3 p1 dp DI\nD4 0 p1 DI\nC1 dp 0 100u\nR1 dp 0 1k\n.model DI D(Vfwd=0.5)\n"
             ".save v(p0) v(p1) v(p0,p1) v(dp)\n.tran 1m 20m uic\n.end\n")) == floating);
   // With leaks it is held.
-  CHECK(open(test::run_text_segments("t\nV1 p0 p1 SIN(0 10 50)\nD1 p0 dp DI\nD2 0 p0 DI\nD3 p1 dp DI\nD4 0 p1 DI\nC1 dp 0 100u\nR1 dp 0 "
-                                     "1k\n.model DI D(Vfwd=0.5 Roff=1G)\n"
-                                     ".save v(p0) v(p1) v(p0,p1) v(dp)\n.tran 1m 20m uic\n.end\n"))
+  CHECK(open(segments_to_end("t\nV1 p0 p1 SIN(0 10 50)\nD1 p0 dp DI\nD2 0 p0 DI\nD3 p1 dp DI\nD4 0 p1 DI\nC1 dp 0 100u\nR1 dp 0 "
+                             "1k\n.model DI D(Vfwd=0.5 Roff=1G)\n"
+                             ".save v(p0) v(p1) v(p0,p1) v(dp)\n.tran 1m 20m uic\n.end\n"))
             .empty());
 }
 
 // While all four switches of a charge pump are off, their leaks, which are alike, hold the potential of its capacitor: (v(i) − v(a)) + (v(i) − v(b)) = v(b) + v(a) − v(out) by Kirchhoff's law.
 TEST_CASE("what flowed through switches that have opened leaves no rounding in their leaks", "[regression]") {
-  const auto run = test::run_text_segments(
+  const auto run = segments_to_end(
       "t\nVg0 g0 0 PULSE(0 1 6.9e-06 1.4e-08 1.4e-08 6.3086e-05 0.00014)\nVg1 g1 0 PULSE(0 1 7.69e-05 1.4e-08 1.4e-08 6.3086e-05 0.00014)\n"
       "V1 in 0 5\nR1 in i 0.0864\nS1 i a g0 0 SX\nS2 b 0 g0 0 SX\nS3 i b g1 0 SX\nS4 a out g1 0 SX\nC1 a b 0.000382\nC2 out 0 0.00334\nR2 "
       "out 0 45.4\n"
       ".model SX SW(Ron=0.041 Roff=17000000 Vt=0.5)\n.save v(g0) v(g1) v(i) v(a) v(b) v(out)\n.tran 1u 0.7m uic\n.end\n");
-  INFO(run.messages << run.answer.message);
-  REQUIRE(run.answer.outcome == engine::Outcome::completed);
   int found = 0;
   for (const auto& row : run.rows) {
     if (row[1] > 0.0 || row[2] > 0.0) continue;
@@ -132,12 +138,10 @@ TEST_CASE("what flowed through switches that have opened leaves no rounding in t
 // a1 joins a capacitor and diodes that block: at rest it may be anywhere between the drop of D1 below ground and that of D2 above b1. A leak decides it.
 TEST_CASE("segments tell where a floating capacitor leaves the operating point open", "[regression]") {
   const auto is_open = [](const std::string& leak) {
-    const auto run = test::run_text_segments(
+    const auto run = segments_to_end(
         "t\nV1 a0 0 -145\nC1 a0 a1 98.5n\nD1 0 a1 DI\nD2 a1 b1 DI\nC2 b1 0 98.5n\nV2 s 0 37\nR2 s b1 1k\n.model DI D(Ron=0.01 Vfwd=0.7)\n" +
         leak + ".save v(a1) v(b1)\n.tran 1u 10u\n.end\n");
-    INFO(run.messages << run.answer.message);
-    REQUIRE(run.answer.outcome == engine::Outcome::completed);
-    return std::any_of(run.answer.remarks.begin(), run.answer.remarks.end(), [](const auto& r) { return r.id == "W-op-not-unique"; });
+    return remark_of(run, "W-op-not-unique") != nullptr;
   };
   CHECK(is_open(""));
   CHECK_FALSE(is_open("R1 a1 0 1G\n"));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "model/tolerances.hpp"
@@ -29,18 +30,19 @@ void OpenSignals::note(const Position& on, const std::vector<int>& idle, const s
 }
 
 void OpenSignals::add(Position on, double shift) {
-  if (noted_.size() < std::min(most_noted, most_noted_bytes / std::max<std::size_t>(on.size(), 1)) &&
-      seen_.emplace(on.begin(), on.end()).second)
-    noted_.push_back({std::move(on), shift});
+  if (noted_.size() < std::min(most_noted, most_noted_bytes / std::max<std::size_t>(on.size(), 1)))
+    noted_.try_emplace(std::move(on), shift);
 }
 
 std::vector<std::size_t> OpenSignals::find(const std::vector<Form>& signals) const {
+  if (signals.empty()) return {};
   const OpenParts parts(descriptor_.network());
   std::vector<char> is_open(signals.size(), 0);
-  Factors factors(descriptor_.network(), descriptor_);
-  for (const Noted& noted : noted_) {
-    if (parts.ties(noted.on).empty()) continue;
-    const Factor* factor = factors.at(noted.shift, noted.on);
+  std::optional<Factors> factors;  // most positions leave nothing open
+  for (const auto& [on, shift] : noted_) {
+    if (parts.ties(on).empty()) continue;
+    if (!factors) factors.emplace(descriptor_.network(), descriptor_);
+    const Factor* factor = factors->at(shift, on);
     if (factor == nullptr) continue;
     for (const std::vector<double>& direction : factor->open())
       for (std::size_t i = 0; i < signals.size(); ++i) {

@@ -2,8 +2,7 @@
 /// The signals that a passive part leaves open in some of its positions: how ports without resistance divide a current, and the potential of what blocking ports alone join to the rest. A port that is zero on
 /// both sides may stand on either: where such ports block a part may float, where they conduct a current may circulate.
 
-#include <string>
-#include <unordered_set>
+#include <map>
 #include <vector>
 
 #include "engine/sparse/factors.hpp"
@@ -21,15 +20,10 @@ class OpenSignals {
   [[nodiscard]] std::vector<std::size_t> find(const std::vector<Form>& signals) const;
 
  private:
-  struct Noted {
-    Position on;
-    double shift;
-  };
   void add(Position on, double shift);
 
   const Descriptor& descriptor_;
-  std::unordered_set<std::string> seen_;
-  std::vector<Noted> noted_;
+  std::map<Position, double> noted_;  ///< with the shift of the first segment in each, 1/s
 };
 
 }  // namespace pwlsim::engine::sparse

@@ -48,7 +48,7 @@ bool PartRun::begin_segment() {
   segment_->accept();
   segment_->note_jump(0.0);
   segment_->set_signals(signals_);
-  if (open_signals_ && !records_)
+  if (open_signals_ && !stops_before_end_)  // of a lap nobody asks
     open_signals_->note(point_.on, segment_->idle_ports(), segment_->free_ports(), 1.0 / segment_->step_length());
   segment_tau_ = 0.0;
   Point next = point_of_segment(0.0, time, certificate_.looks_next());

@@ -165,7 +165,6 @@ inline constexpr double capacitor_loop = 1e-13;
 /// Of: the largest capacitance that joins a set of nodes.
 /// Why: the rounding of a larger one's charge takes three digits of a smaller one's: they are in rows of their own.
 inline constexpr double small_capacitor = 1e-3;
-
 /// Of: the largest conductance that joins a set of nodes.
 /// Why: the rounding of a larger one's current takes five digits of a smaller one's: what leaves the set is in a row of its own.
 inline constexpr double small_conductance = 1e-5;
