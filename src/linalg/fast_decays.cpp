@@ -21,15 +21,20 @@ constexpr int most_turns_of_subspace = 16;
 constexpr int fewest_turns_of_subspace = 3;
 constexpr Wide least_progress = 0.1L;
 
-Cut cut_at(const Rates& rates, double longest, double other, double ratio) {
-  Cut cut;
+template <class Visit>
+void for_each_cut(const Rates& rates, double longest, double other, double ratio, Visit visit) {
   for (std::size_t i = 0; i < rates.size(); ++i) {
     const double rate = std::abs(rates[i]);
     if (!(rate * longest > 1.0) || !(-rates[i].real() > least_damping * rate)) break;
     const double next = std::max(i + 1 < rates.size() ? std::abs(rates[i + 1]) : 0.0, other);
-    if (rate > ratio * next) cut = {static_cast<Index>(i) + 1, next, rate, std::abs(rates.front())};
+    if (rate > ratio * next) visit(Cut{static_cast<Index>(i) + 1, next, rate, std::abs(rates.front())});
   }
-  return cut;
+}
+
+Cut cut_at(const Rates& rates, double longest, double other, double ratio) {
+  Cut last;
+  for_each_cut(rates, longest, other, ratio, [&](const Cut& cut) { last = cut; });
+  return last;
 }
 
 }  // namespace
@@ -45,6 +50,12 @@ Rates rates_by_speed(const Matrix& a) {
 Cut find_cut(const Rates& rates, double longest, double other) {
   const Cut cut = cut_at(rates, longest, other, gap);
   return cut.fast > 0 ? cut : cut_at(rates, longest, other, least_gap);
+}
+
+std::vector<Cut> find_cuts(const Rates& rates, double longest, double other) {
+  std::vector<Cut> cuts;
+  for_each_cut(rates, longest, other, least_gap_of_part, [&](const Cut& cut) { cuts.push_back(cut); });
+  return cuts;
 }
 
 WideMatrix orthonormal(WideMatrix m) {

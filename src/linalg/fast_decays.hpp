@@ -27,6 +27,9 @@ struct Cut {
 /// The cut with the slowest decays whose time constant is at most `longest`, s. `other`: a rate that is there beside those, 1/s.
 [[nodiscard]] Cut find_cut(const Rates& rates, double longest, double other);
 
+/// All cuts whose gap tells two motions apart, the fastest first.
+[[nodiscard]] std::vector<Cut> find_cuts(const Rates& rates, double longest, double other);
+
 /// Orthonormal basis of the columns' span, by Gram and Schmidt's method, twice (Giraud, Langou, Rozložník, Comput. Math. Appl. 50 (2005)). A column that depends on those before it becomes zero.
 [[nodiscard]] WideMatrix orthonormal(WideMatrix m);
 

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "model/build_mode.hpp"
+#include "model/slow_apart.hpp"
 #include "model/tolerances.hpp"
 
 namespace pwlsim::model {
@@ -38,6 +39,39 @@ const Mode* ModeStore::slow_mode(const IndexSet& set) {
   return about.slow.get();
 }
 
+/// Only where e^{Aτ} loses that many digits by the time at which the decays are over, or, where they are not told from the rest, the slow motion has moved: else guards at zero keep the
+/// entries that are zero in the mode's own coordinates.
+const Mode& ModeStore::followed(const Mode& mode) {
+  if (mode.decays) return mode;
+  Known& about = known(mode.active);
+  if (about.slow_is_known && !about.apart_is_known) {
+    about.apart_is_known = true;
+    if (may_split(mode)) about.apart = build_apart(about, mode);
+  }
+  return about.apart ? *about.apart : mode;
+}
+
+/// The slowest motion apart from the next faster one, both from the one that is faster again, and so on; null where there is none.
+std::unique_ptr<Mode> ModeStore::build_apart(const Known& about, const Mode& whole) {
+  if (!whole.regular || whole.ny == 0) return nullptr;
+  const double longest = brief_per_unseen * unseen_;
+  const std::vector<Cut> cuts = find_cuts(system_, rates_by_speed(whole, longest), longest);
+  if (cuts.empty()) return nullptr;
+  const double time = about.slow ? time_constants_to_rest * about.slow->decays->slowest : 1.0 / cuts.back().slow_rate;
+  if (!(whole.norm_a * time * tolerance::unit_rounding > tolerance::lost_in_flow)) return nullptr;
+  std::vector<std::unique_ptr<Mode>> made;
+  const auto keep = [&](std::unique_ptr<Mode> mode) { return made.emplace_back(std::move(mode)).get(); };
+  const Mode* slower = nullptr;
+  for (auto cut = cuts.rbegin(); cut != cuts.rend(); ++cut) {
+    const auto is_at_cut = [&](const std::unique_ptr<Mode>& known) { return known && known->n1 + cut->fast == whole.n1; };
+    const Mode* slow = is_at_cut(about.slow) ? about.slow.get() : is_at_cut(about.brief) ? about.brief.get() : nullptr;
+    if (!slow) slow = keep(build_slow_mode(system_, whole, *cut, shifted_));
+    if (!slow) continue;
+    slower = slower ? keep(with_slow_apart(system_, *slow, *slower)) : slow;
+  }
+  return slower ? with_slow_apart(system_, whole, *slower) : nullptr;
+}
+
 bool ModeStore::may_split(const Mode& whole) const {
   return unseen_ > 0.0 && system_.ports > 0 && whole.norm_a * brief_per_unseen * unseen_ > 1.0;
 }
@@ -63,7 +97,7 @@ void ModeStore::mark_visited(const Mode& mode) {
   if (mode.visits++ > 0) return;
   const Known& about = known(mode.active);
   const auto was_visited = [&](const std::unique_ptr<Mode>& twin) { return twin && twin.get() != &mode && twin->visits > 0; };
-  if (!was_visited(about.mode) && !was_visited(about.slow) && !was_visited(about.brief)) ++visited_;
+  if (!was_visited(about.mode) && !was_visited(about.slow) && !was_visited(about.brief) && !was_visited(about.apart)) ++visited_;
 }
 
 void ModeStore::remember(const IndexSet& wanted, const Mode& after) {
@@ -91,7 +125,8 @@ Matrix ModeStore::open_directions(const Mode& mode) const {
   for (const IndexSet& set : {most, fewest}) {
     if (set == mode.active) continue;
     const auto known = known_.find(set);
-    const Matrix found = known != known_.end() && known->second.mode ? known->second.mode->free_inputs : build_mode(system_, set)->free_inputs;
+    const Matrix found =
+        known != known_.end() && known->second.mode ? known->second.mode->free_inputs : build_mode(system_, set)->free_inputs;
     if (found.cols() == 0) continue;
     Matrix both(system_.ports, directions.cols() + found.cols());
     both << directions, found;
@@ -105,7 +140,7 @@ std::vector<std::size_t> ModeStore::open_outputs() const {
   if (std::none_of(system_.outputs.begin(), system_.outputs.end(), std::mem_fn(&OutputRow::reads_ports))) return {};
   for (const auto& [set, known] : known_) {
     const Mode* visited = nullptr;
-    for (const auto* mode : {&known.mode, &known.brief, &known.slow})
+    for (const auto* mode : {&known.mode, &known.apart, &known.brief, &known.slow})
       if (*mode && (*mode)->visits > 0) visited = mode->get();
     if (!visited) continue;
     const Matrix directions = open_directions(*visited);

@@ -29,6 +29,8 @@ class ModeStore {
     std::unique_ptr<Mode> slow;  ///< its slow motion; empty: not built yet, or there is none
     std::unique_ptr<Mode>
         brief;  ///< the mode without only those decays that are not followed, if `slow` leaves out others, too; else empty
+    std::unique_ptr<Mode> apart;  ///< the mode in coordinates in which `slow` stands apart; empty: not built yet, or not needed
+    bool apart_is_known = false;
     bool slow_is_known = false;
     std::vector<const Mode*> successors;  ///< modes that followed this wanted set, the last one first
     std::vector<Way> ways;                ///< what followed by way of another mode
@@ -41,6 +43,12 @@ class ModeStore {
   const Mode& mode(const IndexSet& set);
   /// Its slow motion, if it has much faster decays; else null.
   const Mode* slow_mode(const IndexSet& set);
+  /// In which the run goes on: the same mode, its slow motion apart where its own coordinates have too few digits for both.
+  const Mode& followed(const Mode& mode);
+  const Mode& followed(const IndexSet& set) {
+    static_cast<void>(slow_mode(set));
+    return followed(mode(set));
+  }
   /// Whether the mode's rates are fast enough for that.
   [[nodiscard]] bool may_split(const Mode& whole) const;
   /// Decays that end within `time`, s, are not followed. Before the first slow motion is asked for.
@@ -61,6 +69,7 @@ class ModeStore {
   using Entry = std::pair<const IndexSet, Known>;
   Entry& look_up(const IndexSet& set);
   void split(Known& about, const Mode& whole);
+  std::unique_ptr<Mode> build_apart(const Known& about, const Mode& whole);
   [[nodiscard]] Matrix open_directions(const Mode& mode) const;
 
   const System& system_;

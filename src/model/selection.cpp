@@ -62,7 +62,7 @@ Selector::Selector(const System& system, Several several) : system_(system), sev
 
 bool Selector::consistent(const Mode& mode, const double* x, double* projected) const {
   const int size = system_.size();
-  if (!mode.constrained) {
+  if (mode.n1 == system_.n) {
     linalg::copy(x, size, projected);
     return true;
   }
@@ -130,7 +130,7 @@ const Mode* Selector::holding(const double* x, const IndexSet& set) {
   const Mode* slow = about.slow_is_known ? about.slow.get() : modes_.slow_mode(set);
   if (slow && lies_in(*slow, x)) return slow;
   if (about.brief && lies_in(*about.brief, x)) return about.brief.get();
-  const Mode& m = *about.mode;
+  const Mode& m = modes_.followed(*about.mode);
   return m.regular && consistent(m, x, projected_.data()) ? &m : nullptr;
 }
 
@@ -196,7 +196,7 @@ bool Selector::impulse_allowed(const Mode& m, const double* x, const double* aft
 /// `after`: the only one to look at; null: any.
 const Mode* Selector::beside(double* x, const Mode& m, const Mode* after) {
   if (const Mode* found = by_repeated_rule(x, with_falling_flipped(m.active)); found) return found;
-  if (!system_.passive || !may_jump_ || !m.constrained) return nullptr;
+  if (!system_.passive || !may_jump_ || m.n1 == system_.n) return nullptr;
   const Mode* found = settled(m, x, after);
   if (!found) return nullptr;
   std::copy(settled_.begin(), settled_.end(), x);
@@ -481,14 +481,14 @@ const Mode* Selector::search_at_all_levels(double* x, const IndexSet& current, i
 
 /// x goes on in this mode, or in one of several.
 const Selected& Selector::go_on_in(double* x, const Mode& mode) {
-  selected_.mode = &mode;
+  selected_.mode = &modes_.followed(mode);
   if (goes_on_one_way(mode.active)) return selected_;
   details_.continuations = continuations(x, mode);
   if (details_.continuations.size() == 1) return selected_;
   selected_.details = &details_;
   selected_.outcome = SelectionOutcome::several;
   if (several_ == Several::first) selected_.mode = first_of(details_.continuations);
-  if (selected_.mode != &mode && strictly_consistent(*selected_.mode, x, projected_.data()))
+  if (selected_.mode->active != mode.active && strictly_consistent(*selected_.mode, x, projected_.data()))
     linalg::copy(projected_.data(), system_.size(), x);
   return selected_;
 }

@@ -75,6 +75,11 @@ class ShiftedSystems {
   return linalg::find_cut(rates, longest, system.exosystem->fastest());
 }
 
+/// All cuts, also those with smaller gaps, the fastest first.
+[[nodiscard]] inline std::vector<Cut> find_cuts(const System& system, const Rates& rates, double longest) {
+  return linalg::find_cuts(rates, longest, system.exosystem->fastest());
+}
+
 /// Of `whole`, the mode of the active ports, whose rates have this cut. None if the fast part is not a plain decay.
 [[nodiscard]] std::optional<SlowManifold> slow_manifold(const System& system, const Mode& whole, const Cut& cut,
                                                         const std::vector<int>& active, ShiftedSystems& shifted);

@@ -126,7 +126,7 @@ class Island {
     const auto found = modes_.find(own);
     if (found != modes_.end()) return found->second.mode == nullptr ? nullptr : &found->second;
     Known& known = modes_[own];
-    const Mode* const there = own->decays ? selector_.modes().slow_mode(own->active) : &selector_.modes().mode(own->active);
+    const Mode* const there = own->decays ? selector_.modes().slow_mode(own->active) : &selector_.modes().followed(own->active);
     if (there == nullptr || there->n1 != own->n1 || there->constrained != own->constrained) return nullptr;
     if (there->guards.rows() != own->guards.rows() || !find_coordinates(*own, *there, known)) return nullptr;
     known.mode = there;
