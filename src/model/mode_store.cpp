@@ -14,6 +14,7 @@ namespace {
 /// Decays of longer time constants than this are no fast ones, however slow the rest is: against the time that is not followed.
 constexpr double brief_per_unseen = 1e4;
 constexpr std::size_t most_remembered = 6;
+constexpr double share_of_slow = 0.01;  ///< of the slow time constant that decays last at most where no wider gap tells them from it
 
 }  // namespace
 
@@ -39,8 +40,7 @@ const Mode* ModeStore::slow_mode(const IndexSet& set) {
   return about.slow.get();
 }
 
-/// Only where e^{Aτ} loses that many digits by the time at which the decays are over, or, where they are not told from the rest, the slow motion has moved: else guards at zero keep the
-/// entries that are zero in the mode's own coordinates.
+/// Only where e^{Aτ} loses that many digits by the time at which the decays are over: else guards at zero keep the entries that are zero in the mode's own coordinates.
 const Mode& ModeStore::followed(const Mode& mode) {
   if (mode.decays) return mode;
   Known& about = known(mode.active);
@@ -57,7 +57,7 @@ std::unique_ptr<Mode> ModeStore::build_apart(const Known& about, const Mode& who
   const double longest = brief_per_unseen * unseen_;
   const std::vector<Cut> cuts = find_cuts(system_, rates_by_speed(whole, longest), longest);
   if (cuts.empty()) return nullptr;
-  const double time = about.slow ? time_constants_to_rest * about.slow->decays->slowest : 1.0 / cuts.back().slow_rate;
+  const double time = about.slow ? time_constants_to_rest * about.slow->decays->slowest : share_of_slow / cuts.back().slow_rate;
   if (!(whole.norm_a * time * tolerance::unit_rounding > tolerance::lost_in_flow)) return nullptr;
   std::vector<std::unique_ptr<Mode>> made;
   const auto keep = [&](std::unique_ptr<Mode> mode) { return made.emplace_back(std::move(mode)).get(); };
