@@ -30,7 +30,7 @@ class ExactSegment {
   /// All must outlive it. `tolerance`: bound on the estimated error of a segment, of the largest √energy so far.
   ExactSegment(const Descriptor& descriptor, const Sources& sources, const std::vector<WatchedControl>& controls, double tolerance,
                double stop);
-  /// From now on errors count in each state, too, against its size, where the network may amplify what is small. It must outlive the segment.
+  /// From now on errors count in each state, too, against its size: what has little of the energy has its digits, and what a network amplifies. It must outlive the segment.
   void count_by(const StateScale& scale) { scale_ = &scale; }
   /// From now on signs of currents count beyond so many times their ordinary rounding, and guards that are positive by less than theirs are so until they
   /// are seen to pass.

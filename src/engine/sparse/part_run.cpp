@@ -73,7 +73,7 @@ PartRun::PartRun(const Part& part, const Request& request, double reltol, Method
   if (method == Method::segments) {
     segment_ = std::make_unique<ExactSegment>(descriptor_, sources_, controls_, reltol, request.stop);
     segment_->heed(request.interrupt);
-    if (!passive_) segment_->count_by(scale_);
+    segment_->count_by(scale_);
     ties_ = std::make_unique<TieSelector>(descriptor_, factors_, sources_.exosystem());
     if (passive_) open_signals_ = std::make_unique<OpenSignals>(descriptor_);
     if (passive_) forecast_ = std::make_unique<Forecast>(descriptor_, factors_, sources_);

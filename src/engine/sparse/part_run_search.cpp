@@ -166,7 +166,12 @@ bool PartRun::settle_ties(const std::vector<double>& z, const Position& on, int 
 /// a thyristor's latch, may stay open. Of controls those whose turn comes first. Where states jump what controls read is no more right: a current that a diode would take over is zero there.
 bool PartRun::flip_negative(Position on, int rounds) {
   std::vector<Position> seen{on};
-  for (int round = 0; round < rounds; ++round) {
+  for (int round = 0;; ++round) {
+    if (segment_->negative().empty()) {
+      point_.on = on;
+      return true;
+    }
+    if (round == rounds) return false;
     const std::vector<std::size_t> next = first_negative();
     if (next.front() >= static_cast<std::size_t>(descriptor_.first_switch()) && !is_continuous()) return false;
     for (const std::size_t port : next) on[port] ^= 1;
@@ -174,11 +179,7 @@ bool PartRun::flip_negative(Position on, int rounds) {
     if (std::find(seen.begin(), seen.end(), on) != seen.end()) return false;
     seen.push_back(on);
     if (open_segment(on) != ExactSegment::Opened::yes) return false;
-    if (!segment_->negative().empty()) continue;
-    point_.on = on;
-    return true;
   }
-  return false;
 }
 
 /// Of the ports whose guards depart downwards those that change sides next.

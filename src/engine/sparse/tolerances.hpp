@@ -34,6 +34,9 @@ inline constexpr double brief_rest = 1e-6;
 /// Why: 450 units of rounding of its times: a segment this short moved nothing.
 inline constexpr double no_time = 1e-13;
 /// Of: the length of the run.
+/// Why: as decays that dense modes do not follow: no row shows what a segment that is over within it has at a diode, and the locator cannot tell that from zero.
+inline constexpr double unseen_segment = 1e-9;
+/// Of: the length of the run.
 /// Why: as `shortest_step`.
 inline constexpr double shortest_segment = 1e-15;
 /// Of: a segment.
@@ -262,8 +265,8 @@ inline constexpr double converged_rounding = 1e-9;
 /// Why: ten tolerances of a segment: where an estimate above it does not shrink, more vectors are tried before it counts as rounding.
 inline constexpr double plain_rounding = 1e-12;
 /// Of: an error's part of the largest √energy, as its part of a state's size.
-/// Why: the tolerance of a segment over five units of rounding: no vector makes an error smaller than that.
-inline constexpr double most_weight_of_error = 1e3;
+/// Why: an error beneath 1e-15 of the whole is rounding of the vectors, and to ask for less lets segments end in it (at 1e3 a rectifier is 1e-7 off for 5e-9).
+inline constexpr double most_weight_of_error = 1e2;
 /// Of: the largest value of a signal on a piece.
 /// Why: as `known_digits`: a polynomial has no more digits than the segment.
 inline constexpr double piece_resolution = 1e-10;
