@@ -46,7 +46,7 @@ struct Mode {
   bool unique_inputs = true;       ///< false: some u of the mode is not unique
   std::vector<char> input_unique;  ///< a port: its u and y are unique in this mode
   Matrix free_inputs;              ///< directions of u that the mode leaves open (ports × any number); empty where u is unique
-  bool constrained = false;        ///< V is smaller than the whole space
+  bool constrained = false;        ///< c is not ξ: V is smaller than the whole space, or slow_apart.hpp (n1 = n)
   int n1 = 0;                      ///< dim of c
   int ny = 0;                      ///< n1 + n_ζ
   Matrix projector;                ///< P (size × size); empty when not constrained
