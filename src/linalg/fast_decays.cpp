@@ -81,6 +81,25 @@ WideMatrix leading_columns(WideMatrix m, Index count) {
   return m.leftCols(count);
 }
 
+WideMatrix complement(WideMatrix m) {
+  const Index n = m.rows(), k = m.cols();
+  WideVector twice(k);  // 2/vᵀv of each reflection, whose v stands below the diagonal of m
+  for (Index j = 0; j < k; ++j) {
+    auto v = m.col(j).tail(n - j);
+    const Wide norm = v.norm();
+    v[0] += v[0] < 0 ? -norm : norm;
+    const Wide square = v.squaredNorm();
+    twice[j] = square > 0 ? 2 / square : 0;
+    for (Index i = j + 1; i < k; ++i) m.col(i).tail(n - j) -= twice[j] * v.dot(m.col(i).tail(n - j)) * v;
+  }
+  WideMatrix basis = WideMatrix::Identity(n, n).rightCols(n - k);
+  for (Index j = k; j-- > 0;) {
+    const auto v = m.col(j).tail(n - j);
+    for (Index i = 0; i < n - k; ++i) basis.col(i).tail(n - j) -= twice[j] * v.dot(basis.col(i).tail(n - j)) * v;
+  }
+  return basis;
+}
+
 WideMatrix dominant_subspace(const WideMatrix& s, WideMatrix start, Index dimension) {
   if (dimension == 0) return WideMatrix(s.rows(), 0);
   WideMatrix basis = orthonormal(leading_columns(std::move(start), dimension));

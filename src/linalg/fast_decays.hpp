@@ -36,6 +36,9 @@ struct Cut {
 /// The columns of m that are furthest from each other's span, in turn, as a basis with rounding.
 [[nodiscard]] WideMatrix leading_columns(WideMatrix m, Eigen::Index count);
 
+/// Orthonormal basis of what is orthogonal to independent columns, by Householder's reflections (Golub & Van Loan, Matrix Computations, §5.1, 5.2): Q's last columns.
+[[nodiscard]] WideMatrix complement(WideMatrix m);
+
 /// Orthonormal basis of what repeated application of S turns everything to. `start`: S on vectors that have no part in what S², or a higher power of it, takes to zero.
 [[nodiscard]] WideMatrix dominant_subspace(const WideMatrix& s, WideMatrix start, Eigen::Index dimension);
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "linalg/factorisations.hpp"
+#include "linalg/fast_decays.hpp"
 #include "model/tolerances.hpp"
 
 namespace pwlsim::model {
@@ -10,14 +10,13 @@ namespace pwlsim::model {
 namespace {
 
 using Eigen::Index;
+using linalg::Wide;
+using linalg::WideMatrix;
 
-/// Orthonormal basis of what is orthogonal to orthonormal columns. Its rounding counts as zero: a leak would read it of states that have no part in it.
-Matrix complement(const Matrix& columns) {
-  const Index n = columns.rows(), rest = n - columns.cols();
-  if (rest == n) return Matrix::Identity(n, n);
-  const Eigen::HouseholderQR<Matrix> qr(columns);
-  const Matrix basis = qr.householderQ() * Matrix::Identity(n, n).rightCols(rest);
-  return (basis.array().abs() <= tolerance::basis_rounding).select(0.0, basis);
+/// A basis whose rounding counts as zero: a leak would read it of states that have no part in it.
+Matrix without_rounding(const WideMatrix& basis) {
+  const Matrix rounded = basis.cast<double>();
+  return (rounded.array().abs() <= tolerance::basis_rounding).select(0.0, rounded);
 }
 
 }  // namespace
@@ -40,7 +39,7 @@ std::unique_ptr<Mode> with_slow_apart(const System& system, const Mode& whole, c
 
   // F in the mode's own coordinates, and in ξ.
   const Matrix own = whole.constrained ? Matrix(whole.basis.transpose() * slow.basis) : slow.basis;
-  const Matrix fast = complement(own);
+  const Matrix fast = without_rounding(linalg::complement(own.cast<Wide>()));
   m.basis.resize(n, m.n1);
   m.basis << slow.basis, (whole.constrained ? Matrix(whole.basis * fast) : fast);
   m.lift = whole.constrained ? whole.lift : Matrix::Zero(n, nz);

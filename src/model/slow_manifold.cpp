@@ -19,6 +19,7 @@ namespace {
 
 using Eigen::Index;
 using linalg::columns_of;
+using linalg::complement;
 using linalg::dominant_subspace;
 using linalg::leading_columns;
 using linalg::Matrix;
@@ -93,26 +94,6 @@ bool make_resolvent(const System& system, const ShiftedSystem& shifted, const st
   result.states = s.leftCols(system.n);
   result.on_sources = s.rightCols(system.n_zeta);
   return true;
-}
-
-/// Orthonormal basis of what is orthogonal to independent columns, by Householder's reflections (Golub & Van Loan, Matrix Computations, §5.1, 5.2): Q's last columns.
-WideMatrix complement(WideMatrix m) {
-  const Index n = m.rows(), k = m.cols();
-  WideVector twice(k);  // 2/vᵀv of each reflection, whose v stands below the diagonal of m
-  for (Index j = 0; j < k; ++j) {
-    auto v = m.col(j).tail(n - j);
-    const Wide norm = v.norm();
-    v[0] += v[0] < 0 ? -norm : norm;
-    const Wide square = v.squaredNorm();
-    twice[j] = square > 0 ? 2 / square : 0;
-    for (Index i = j + 1; i < k; ++i) m.col(i).tail(n - j) -= twice[j] * v.dot(m.col(i).tail(n - j)) * v;
-  }
-  WideMatrix basis = WideMatrix::Identity(n, n).rightCols(n - k);
-  for (Index j = k; j-- > 0;) {
-    const auto v = m.col(j).tail(n - j);
-    for (Index i = 0; i < n - k; ++i) basis.col(i).tail(n - j) -= twice[j] * v.dot(basis.col(i).tail(n - j)) * v;
-  }
-  return basis;
 }
 
 /// Orthonormal bases: N and W, and what is orthogonal to them.
