@@ -55,6 +55,15 @@ void measure_guard_noise(const System& system, Mode& mode, const Matrix& other) 
   mode.guard_error.rightCols(mode.ny - mode.n1) = difference.rightCols(mode.ny - mode.n1).cwiseAbs();
 }
 
+double guard_size(const Mode& mode, int row, const double* y, double share) {
+  const double terms = linalg::absolute_row_times(mode.guards, row, y), norm = linalg::norm(y, mode.ny);
+  if (!mode.apart) return std::max(terms, share * mode.guard_norm[row] * norm);
+  double fast = 0.0;
+  for (Eigen::Index j = 0; j < mode.apart->terms.rows(); ++j)
+    fast += std::abs(mode.guards(row, mode.apart->first + j)) * linalg::absolute_row_times(mode.apart->terms, j, y);
+  return std::max({terms, share * mode.apart->slow_guard_norm[row] * norm, fast});
+}
+
 double guard_rounding(const Mode& mode, int row, const double* y, double size, double least) {
   const double noise = std::max(mode.guard_noise[row], least);
   if (mode.guard_error.size() == 0) return noise * size;

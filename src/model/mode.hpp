@@ -35,6 +35,14 @@ struct Decays {
   bool are_sharp = false;   ///< each T_k has its digits, and holds to the decay's end
 };
 
+/// The coordinates φ of fast decays where the slow motion stands apart (slow_apart.hpp). They have the digits of the stores that they read, not those of the largest.
+struct FastCoordinates {
+  int first = 0;           ///< of c
+  Matrix terms;            ///< |φ's terms| ≤ terms·|y| (fast × ny)
+  Vector slow_guard_norm;  ///< ‖row‖ of the guards without φ
+  Vector guard_norm;       ///< ‖row restricted to φ‖
+};
+
 struct Mode {
   Mode();
   ~Mode();
@@ -75,6 +83,7 @@ struct Mode {
   Vector input_block_norm;                              ///< ‖E₁ restricted to a block‖
   Vector scaled_guard_c_norm, scaled_input_block_norm;  ///< of row·S and S⁻¹E₁; empty without `scale`
   Matrix outputs;                                       ///< signals in y
+  std::unique_ptr<FastCoordinates> apart;               ///< null: the mode's own coordinates
   std::unique_ptr<Decays> decays;                       ///< if the mode is the slow motion of its active set; null: it is the whole mode
 
   mutable std::uint64_t visits = 0;
@@ -89,6 +98,8 @@ struct Mode {
 /// Completes a mode whose coordinates and guard rows are set: its flow y' = A y, and norms and bounds of both.
 void finish_mode(const System& system, Mode& mode, Matrix a);
 
+/// What rounding of a guard at y is measured by: its terms, or a `share` of ‖row‖‖y‖ if that is more. Fast coordinates that stand apart have terms of their own instead.
+[[nodiscard]] double guard_size(const Mode& mode, int row, const double* y, double share);
 /// The error of a guard at y from the errors of its entries, by `guard_noise` or, if that is smaller, by `guard_error`. `size`: of its terms; `least`: the least noise.
 [[nodiscard]] double guard_rounding(const Mode& mode, int row, const double* y, double size, double least);
 

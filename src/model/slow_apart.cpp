@@ -10,14 +10,12 @@ namespace pwlsim::model {
 namespace {
 
 using Eigen::Index;
+using linalg::product;
 using linalg::Wide;
 using linalg::WideMatrix;
 
-/// A basis whose rounding counts as zero: a leak would read it of states that have no part in it.
-Matrix without_rounding(const WideMatrix& basis) {
-  const Matrix rounded = basis.cast<double>();
-  return (rounded.array().abs() <= tolerance::basis_rounding).select(0.0, rounded);
-}
+/// A leak would read rounding of states that have no part in it.
+WideMatrix without_rounding(const WideMatrix& basis) { return (basis.array().abs() <= tolerance::basis_rounding).select(Wide(0), basis); }
 
 }  // namespace
 
@@ -38,10 +36,13 @@ std::unique_ptr<Mode> with_slow_apart(const System& system, const Mode& whole, c
   m.slow = whole.slow;
 
   // F in the mode's own coordinates, and in ξ.
-  const Matrix own = whole.constrained ? Matrix(whole.basis.transpose() * slow.basis) : slow.basis;
-  const Matrix fast = without_rounding(linalg::complement(own.cast<Wide>()));
+  // In extended precision, as x, y and x again must be the same: entries of 10⁻¹⁷ read stores of 10⁶ beside decays of 10⁻⁹.
+  const WideMatrix slow_basis = slow.basis.cast<Wide>();
+  const WideMatrix to_own = whole.constrained ? WideMatrix(whole.basis.transpose().cast<Wide>()) : WideMatrix::Identity(n, n);
+  const WideMatrix in_own = product(to_own, slow_basis), beside = without_rounding(linalg::complement(in_own));
+  const Matrix own = in_own.cast<double>(), fast = beside.cast<double>();
   m.basis.resize(n, m.n1);
-  m.basis << slow.basis, (whole.constrained ? Matrix(whole.basis * fast) : fast);
+  m.basis << slow.basis, product(to_own.transpose(), beside).cast<double>();
   m.lift = whole.constrained ? whole.lift : Matrix::Zero(n, nz);
   m.projector = whole.constrained ? whole.projector : Matrix::Identity(n + nz, n + nz);
   const Matrix held = m.basis.rightCols(n_fast).transpose() * slow.lift;  // R_F
@@ -60,13 +61,22 @@ std::unique_ptr<Mode> with_slow_apart(const System& system, const Mode& whole, c
   const auto rows_of = [&](const Matrix& of_slow, const Matrix& of_whole) {
     const Matrix of_fast = of_whole.leftCols(m.n1) * fast;
     Matrix rows(of_slow.rows(), m.ny);
-    rows << of_slow.leftCols(n_slow), of_fast, of_slow.rightCols(nz) - of_fast * held;
+    rows << of_slow.leftCols(n_slow), of_fast, of_whole.rightCols(nz);
     return rows;
   };
   m.guards = rows_of(slow.guards, whole.guards);
   m.outputs = rows_of(slow.outputs, whole.outputs);
   finish_mode(system, m, std::move(a));
   m.guard_noise = whole.guard_noise;
+  m.apart = std::make_unique<FastCoordinates>();
+  m.apart->first = static_cast<int>(n_slow);
+  const Matrix reads = m.basis.rightCols(n_fast).transpose().cwiseAbs();
+  m.apart->terms.resize(n_fast, m.ny);
+  m.apart->terms << reads * m.basis.cwiseAbs(), reads * m.lift.cwiseAbs() + held.cwiseAbs();
+  m.apart->terms.array() += tolerance::basis_rounding / m.noise;  // the rest of entries that count as zero
+  m.apart->guard_norm = m.guards.middleCols(n_slow, n_fast).rowwise().norm();
+  m.apart->slow_guard_norm =
+      (m.guards.leftCols(n_slow).rowwise().squaredNorm() + m.guards.rightCols(nz).rowwise().squaredNorm()).cwiseSqrt();
   return mode;
 }
 

@@ -32,9 +32,9 @@ inline constexpr double rate_rounding = 16.0 * wide_unit_rounding;
 /// Of: the slow motion of a mode, for what rounding of its fast rates makes of it while they are followed.
 /// Why: a tenth of what rows may be off.
 inline constexpr double lost_in_flow = 1e-10;
-/// Of: the entries of orthonormal vectors, in double.
-/// Why: five units of rounding: a sum of some products.
-inline constexpr double basis_rounding = 1e-15;
+/// Of: the entries of orthonormal vectors, in extended precision.
+/// Why: twenty units of rounding: a sum of some products.
+inline constexpr double basis_rounding = 1e-18;
 /// Of: entries of unit vectors, in double.
 /// Why: some thousand roundings: entries below it are zero when a report prints coordinates.
 inline constexpr double unit_vector_entry = 1e-12;

@@ -42,7 +42,14 @@ void Verifier::extend(const Mode& mode, int order) {
 
 /// Rounding of a guard's derivative whose terms sum up to `size` in magnitude.
 double Verifier::rounding(const Mode& mode, int row, int order, double size) const {
-  size += share_of_state_norm * mode.guard_norm[row] * norm_[static_cast<std::size_t>(order)];
+  const double norm = norm_[static_cast<std::size_t>(order)];
+  if (mode.apart) {  // of φ, `size` has the terms
+    const double* fast = &z_[static_cast<std::size_t>(order * ny_ + mode.apart->first)];
+    size += share_of_state_norm *
+            (mode.apart->slow_guard_norm[row] * norm + mode.apart->guard_norm[row] * linalg::norm(fast, mode.n1 - mode.apart->first));
+  } else {
+    size += share_of_state_norm * mode.guard_norm[row] * norm;
+  }
   double bound = std::min(mode.guard_noise[row], std::max(mode.noise, tolerance::most_guard_noise)) * size;
   if (mode.guard_error.size() > 0)
     bound = std::min(bound, guard_rounding(mode, row, &z_[static_cast<std::size_t>(order * ny_)], size, 0.0));
@@ -144,10 +151,13 @@ void Verifier::prepare() {
   const Mode& mode = *mode_;
   if (norm_.empty()) norm_.resize(1);
   const double c_norm = linalg::norm(z_.data(), mode.n1);
+  const int slow = mode.apart ? mode.apart->first : mode.n1;
   for (int i = 0; i < ny_; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    size_[k] = std::abs(z_[k]) + (i < mode.n1 ? share_of_state_norm * c_norm : 0.0);
+    size_[k] = std::abs(z_[k]) + (i < slow ? share_of_state_norm * c_norm : 0.0);
   }
+  for (int i = slow; i < mode.n1; ++i)
+    size_[static_cast<std::size_t>(i)] += linalg::absolute_row_times(mode.apart->terms, i - slow, z_.data());
   norm_[0] = linalg::norm(z_.data(), ny_);
   known_ = 1;
   linalg::multiply(mode.absolute_guards, size_.data(), values_.data() + mode.guards.rows());

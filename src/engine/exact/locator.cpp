@@ -59,8 +59,7 @@ double growth_over(double rate, double h) { return rate > 0.0 ? std::exp(std::mi
 
 /// What rounding leaves of a guard at the interval's start: from the terms of its own sum, and from a share of the state's norm.
 double Locator::noise_of(const Segment& s, int row) const {
-  const double size = std::max(linalg::absolute_row_times(s.mode->guards, row, s.y.data()),
-                               share_of_norm * s.mode->guard_norm[row] * linalg::norm(s.y.data(), s.mode->ny));
+  const double size = model::guard_size(*s.mode, row, s.y.data(), share_of_norm);
   if (s.mode->guard_error.size() == 0) return std::max(s.least_noise, s.mode->guard_noise[row]) * size;
   return model::guard_rounding(*s.mode, row, s.y.data(), size, tolerance::graze);
 }
@@ -75,7 +74,6 @@ double Locator::noise_at_rest(const Segment& s, std::size_t i) const {
 /// Zero at the segment's start to every order that rounding lets through, and not visibly positive since. Or negative where no event was found.
 bool Locator::is_at_rest(const Segment& s, std::size_t i) const {
   if (g_[i] <= 0.0 && (s.tau > 0.0 || s.departures[i].order == 0)) return true;
-  if (s.decays_fail && g_[i] <= noise_of(s, s.rows[i]) && s.departures[i].order == 0) return true;
   return s.departures[i].order < 0 && (s.tau == 0.0 || g_[i] <= noise_of(s, s.rows[i]));
 }
 
