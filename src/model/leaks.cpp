@@ -77,4 +77,9 @@ void put_ports_beside_leaks(Network& network) {
     network.diodes.push_back({.label = {{}, leak->label.span}, .p = leak->p, .n = leak->n, .blocks = true, .is_of_leak = true});
 }
 
+Network without_ports_of_leaks(Network network) {
+  std::erase_if(network.diodes, [](const Diode& diode) { return diode.is_of_leak; });
+  return network;
+}
+
 }  // namespace pwlsim::model

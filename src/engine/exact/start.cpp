@@ -13,6 +13,7 @@
 #include "engine/sparse/start.hpp"
 #include "engine/switch_rounds.hpp"
 #include "model/conditions.hpp"
+#include "model/leaks.hpp"
 
 namespace pwlsim::engine {
 
@@ -304,7 +305,7 @@ std::optional<SharperRest> sharper_rest(const IslandModel& island, const StaticS
   model::Island at = island.island;
   for (std::size_t i = 0; i < at.network.switches.size(); ++i)
     at.network.switches[i].initially_on = on[static_cast<std::size_t>(at.switch_number[i])] != 0;
-  const auto rest = sparse::rest_of(at.network);
+  const auto rest = sparse::rest_of(model::without_ports_of_leaks(at.network));
   if (!rest) return std::nullopt;
   for (std::size_t i = 0; i < rest->voltages.size(); ++i) at.network.capacitors[i].initial_voltage = rest->voltages[i];
   for (std::size_t i = 0; i < rest->currents.size(); ++i) at.network.inductors[i].initial_current = rest->currents[i];
