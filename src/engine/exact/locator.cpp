@@ -68,7 +68,9 @@ double Locator::noise_of(const Segment& s, int row) const {
 double Locator::noise_at_rest(const Segment& s, std::size_t i) const {
   const model::Departure& start = s.departures[i];
   const double noise = noise_of(s, s.rows[i]);
-  return start.order == 0 ? std::max(noise, -fallen_further * start.value) : noise;
+  if (start.order > 0) return noise;
+  const double value = start.order == 0 ? start.value : linalg::row_times(s.mode->guards, s.rows[i], s.y0.data());
+  return std::max(noise, -fallen_further * value);
 }
 
 /// Zero at the segment's start to every order that rounding lets through, and not visibly positive since. Or negative where no event was found.
