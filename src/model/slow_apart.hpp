@@ -7,6 +7,7 @@
 ///     ξ = N c + F φ,   φ = ψ + R_F ζ,   R_F = FᵀR,
 ///     c' = A_s c + X φ + (E_s − X R_F) ζ,   φ' = Λ φ + (R_F A_ζ − Λ R_F) ζ,   X = NᵀA F,   Λ = FᵀA F:
 ///
+/// and a guard or signal that is C_s c + D_s ζ on the slow motion, C ξ + D ζ in the mode itself, is C_s c + C F φ + D ζ.
 /// ψ = 0 is the slow motion, in its own digits, and what rounding leaves in φ decays. The coordinates are orthonormal as the mode's own, so that bounds by norms hold as there.
 
 #include <memory>

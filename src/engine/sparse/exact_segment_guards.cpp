@@ -397,9 +397,7 @@ bool ExactSegment::is_at_zero(int port, const std::vector<double>& y) const {
 
 /// Of a guard's value at y.
 double ExactSegment::rounding_of(int row, const std::vector<double>& y) const {
-  const model::Mode& m = *mode_;
-  const double size = linalg::absolute_row_times(m.guards, row, y.data());
-  return m.guard_noise[row] * std::max(size, share_of_norm * m.guard_norm[row] * linalg::norm(y.data(), m.ny));
+  return mode_->guard_noise[row] * model::guard_size(*mode_, row, y.data(), share_of_norm);
 }
 
 }  // namespace pwlsim::engine::sparse
