@@ -37,8 +37,9 @@ struct Decays {
 
 /// The coordinates φ of fast decays where the slow motion stands apart (slow_apart.hpp). They have the digits of the stores that they read, not those of the largest.
 struct FastCoordinates {
-  int first = 0;           ///< of c
-  Matrix terms;            ///< |φ's terms| ≤ terms·|y| (fast × ny)
+  int first = 0;  ///< of c
+  Matrix terms;   ///< |φ's terms| ≤ terms·|y| (fast × ny)
+  double terms_norm = 0.0;
   Vector slow_guard_norm;  ///< ‖row‖ of the guards without φ
   Vector guard_norm;       ///< ‖row restricted to φ‖
 };

@@ -74,6 +74,7 @@ std::unique_ptr<Mode> with_slow_apart(const System& system, const Mode& whole, c
   m.apart->terms.resize(n_fast, m.ny);
   m.apart->terms << reads * m.basis.cwiseAbs(), reads * m.lift.cwiseAbs() + held.cwiseAbs();
   m.apart->terms.array() += tolerance::basis_rounding / m.noise;  // the rest of entries that count as zero
+  m.apart->terms_norm = m.apart->terms.norm();
   m.apart->guard_norm = m.guards.middleCols(n_slow, n_fast).rowwise().norm();
   m.apart->slow_guard_norm =
       (m.guards.leftCols(n_slow).rowwise().squaredNorm() + m.guards.rightCols(nz).rowwise().squaredNorm()).cwiseSqrt();

@@ -166,7 +166,8 @@ void Verifier::prepare() {
 /// Square of the most that the rounding of a guard's value can be, in units of the guard's norm.
 double Verifier::square_of_most_rounding(const Mode& mode, const double* y) const {
   if (relaxation_ > 1.0) return INFINITY;
-  const double most = mode.guard_noise.maxCoeff() * (1.0 + share_of_state_norm * (1.0 + mode.n1));
+  const double most =
+      mode.guard_noise.maxCoeff() * (1.0 + share_of_state_norm * (1.0 + mode.n1) + (mode.apart ? mode.apart->terms_norm : 0.0));
   return most * most * linalg::square(y, mode.ny);
 }
 

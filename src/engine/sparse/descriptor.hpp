@@ -136,6 +136,8 @@ class Descriptor {
   void matrix(double shift, const Closing& closing, double unit, std::vector<double>& values) const;
   /// Of the resistors whose currents are differences of node voltages at a port's nodes, times R0.
   [[nodiscard]] double conductance_at(std::size_t port) const { return conductance_at_port_[port]; }
+  /// Of the resistors, times R0, that a port that is on meets in an equation where nothing else does: no store, source or other current. Infinite: there is no such equation.
+  [[nodiscard]] double leaks_at(std::size_t port, const Position& on) const;
   /// Geometric mean over the nodes of the diagonal of shift·E + G (times R0: 1 is 1/R0).
   [[nodiscard]] double mean_admittance(double shift) const;
   /// k = −(G z + H w + g): what E z' is; zero in closing rows.
@@ -194,6 +196,7 @@ class Descriptor {
   void add_inductors();
   void measure_fluxes();
   void note_conductances();
+  void note_leaks();
   void note_valves();
   void compress();
 
@@ -224,6 +227,11 @@ class Descriptor {
   std::vector<double> constant_;
   std::vector<DescriptorPort> ports_;
   std::vector<double> conductance_at_port_;
+  struct LeakyNode {
+    double conductance;
+    std::vector<int> ports;  ///< all that meet there
+  };
+  std::vector<std::vector<LeakyNode>> leaky_nodes_;  ///< of each port
   std::vector<State> states_;
   std::vector<int> capacitor_of_row_;  ///< whose current the row gives; −1: none
 };

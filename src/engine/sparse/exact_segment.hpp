@@ -248,6 +248,7 @@ class ExactSegment {
   void judge_hidden();
   void note_terms();
   [[nodiscard]] double noise_of_row(int row, double least) const;
+  [[nodiscard]] double size_by_leaks(std::size_t port) const;
   [[nodiscard]] double size_of_kind(int row) const;
   [[nodiscard]] double terms_of(int row) const;
   [[nodiscard]] double node_rounding(int row) const;
@@ -303,7 +304,6 @@ class ExactSegment {
   std::vector<double> slow_start_;        ///< of these: what they are at the start without it
   double start_rounding_ = 0.0;           ///< √energy
   std::vector<double> zeta_, y_, work_;
-  bool nothing_flows_ = false;                   ///< through ports, but for rounding
   double node_terms_ = 0.0, input_terms_ = 0.0;  ///< of the largest voltage, and of the largest input
   linalg::Matrix signal_rows_;
   std::vector<double> signal_constants_;

@@ -56,6 +56,11 @@ bool ExactSegment::is_short_circuited(int row) const {
   return std::any_of(beside.begin(), beside.end(), [&](int port) { return on_[static_cast<std::size_t>(port)] != 0; });
 }
 
+/// More than what an input is a sum of, by the digits that elimination may lose, where resistors alone meet it.
+double ExactSegment::size_by_leaks(std::size_t port) const {
+  return tolerance::lost_terms * std::max(voltage_, least_voltage_) * descriptor_.leaks_at(port, on_);
+}
+
 /// A port at zero on both sides for good, as a diode beside a closed switch: its row is rounding.
 void ExactSegment::drop_empty_guards() {
   if (segment_.rows.empty()) return;
@@ -67,8 +72,6 @@ void ExactSegment::drop_empty_guards() {
   for (const int row : segment_.rows)
     if (is_on(row)) input = std::max(input, reach(row));
   const double voltage = std::max(voltage_, least_voltage_);
-  nothing_flows_ =
-      std::none_of(segment_.rows.begin(), segment_.rows.end(), [&](int row) { return is_on(row) && reach(row) > node_rounding(row); });
   free_.clear();
   idle_.clear();
   std::vector<int> small;
@@ -141,9 +144,10 @@ void ExactSegment::note_terms() {
 /// What a guard is measured against beside its own terms: those may be nothing but the rounding of what it is a difference of.
 double ExactSegment::size_of_kind(int row) const {
   const int ports = descriptor_.first_switch();
-  const double size = row >= ports ? rounding_size(controls_[static_cast<std::size_t>(row - ports)])
-                                   : (on_[static_cast<std::size_t>(row)] != 0 ? input_ : voltage_);
-  return std::max(size, least_voltage_);
+  if (row >= ports) return std::max(rounding_size(controls_[static_cast<std::size_t>(row - ports)]), least_voltage_);
+  const auto port = static_cast<std::size_t>(row);
+  if (on_[port] == 0) return std::max(voltage_, least_voltage_);
+  return std::min(std::max(input_, least_voltage_), size_by_leaks(port));
 }
 
 /// A row behind a leak that floats reads mostly a decay of nanoseconds. Where that is over, what is left of it in the state is rounding: it is left out of such rows, whose noise is
@@ -211,7 +215,7 @@ double ExactSegment::noise_of_row(int row, double least) const {
   const bool is_input = row < ports && on_[static_cast<std::size_t>(row)] != 0;
   const double relaxed = is_input ? relaxation_ : 1.0;
   const double rounding = relaxed * (is_input ? tolerance::input_rounding : tolerance::voltage_rounding);
-  const double held = row < ports && jump_voltage_ == 0.0 ? held_[static_cast<std::size_t>(row)] : 0.0;
+  const double held = row < ports && !is_input && jump_voltage_ == 0.0 ? held_[static_cast<std::size_t>(row)] : 0.0;
   const double known =
       std::max({rounding * size_of_kind(row), held, tolerance::jump_rounding * jump_voltage_, left_out_[static_cast<std::size_t>(row)]});
   const double size = std::max(terms_[row], share_of_norm * norm);
@@ -263,11 +267,14 @@ void ExactSegment::note_instant(double time, const Position& on, const std::vect
   }
 }
 
-/// Voltages of nodes are right to the last digits of the largest of all, inputs to those of the largest input.
+/// Voltages of nodes are right to the last digits of the largest of all, inputs to those of the largest input, or but for so many of their own and of their equation's.
 double ExactSegment::terms_of(int row) const {
   const int ports = descriptor_.first_switch();
   if (row >= ports) return space_.row_terms(controls_[static_cast<std::size_t>(row - ports)].value);
-  return on_[static_cast<std::size_t>(row)] != 0 ? input_terms_ : node_terms_;
+  const auto port = static_cast<std::size_t>(row);
+  if (on_[port] == 0) return node_terms_;
+  const double own = tolerance::lost_terms * space_.largest_terms(descriptor_.ports()[port].row, 1);
+  return std::min(input_terms_, std::max(own, size_by_leaks(port)));
 }
 
 /// What currents leave of that of an ideal port that is on, where they cancel at its nodes. Where no port has more, all of them are rounding. (One with a resistance takes no more

@@ -51,6 +51,10 @@ double PortSolver::input_size(double most) const {
   return std::max({most, present_input_, tolerance::cross_scale * std::max(held_voltage_, present_slack_)});
 }
 
+double PortSolver::input_size_at(std::size_t port, const Position& on, double most, double voltage) const {
+  return std::min(input_size(most), tolerance::lost_terms * voltage * descriptor_.leaks_at(port, on));
+}
+
 /// In a network of two-terminal parts no current that a voltage at the port drives is larger than the one at the port itself, so that reciprocity makes this
 /// a bound for voltages anywhere. Where nothing can flow, all others being blocked, what resistors bring to the port's nodes still cancels to rounding only: that
 /// of the sources' voltages, not of the present ones, which rounding that counts as a current may drive up.
@@ -119,7 +123,7 @@ bool PortSolver::is_idle(std::size_t port, const Position& on) {
   return idle_[port] != 0;
 }
 
-/// An input is judged against the largest of all, a slack against the voltages it is a difference of and the largest of the run.
+/// An input is judged against the largest of all, or what meets it, a slack against the voltages it is a difference of and the largest of the run.
 std::vector<int> PortSolver::violated(const Stage& stage, const Position& on, const std::vector<double>& z, double tolerance) {
   const auto diodes = static_cast<std::size_t>(descriptor_.first_switch());
   std::vector<int> negative;
@@ -131,13 +135,13 @@ std::vector<int> PortSolver::violated(const Stage& stage, const Position& on, co
     if (on[i] != 0) most = std::max(most, std::abs(value));
     if (value < 0.0 && stage.may_change(i, port, on)) negative.push_back(static_cast<int>(i));
   }
-  const double input = input_size(most);
-  const double voltage = negative.empty() ? 0.0 : std::max(largest_voltage(z), largest_voltage(stage.from));
-  if (by_rows_ && !negative.empty()) measure_rows(stage, on, z);
+  if (negative.empty()) return negative;
+  const double voltage = std::max(largest_voltage(z), largest_voltage(stage.from));
+  if (by_rows_) measure_rows(stage, on, z);
   const auto within = [&](int port) {
     const auto i = static_cast<std::size_t>(port);
     const DescriptorPort& p = descriptor_.ports()[i];
-    const double size = on[i] != 0 ? input : std::max(scale_.slack, stage.slack_size(p, z.data()));
+    const double size = on[i] != 0 ? input_size_at(i, on, most, voltage) : std::max(scale_.slack, stage.slack_size(p, z.data()));
     const double beyond = stage.free_variable(p, on[i] != 0, z.data()) + tolerance * size;
     if (beyond >= 0.0) return true;
     return on[i] != 0 &&

@@ -84,6 +84,9 @@ inline constexpr double signal_rounding = 1e-12;
 /// Of: the size of a margin: of a control its levels and its largest value, of a port its scale, of a slack its terms.
 /// Why: some thousand roundings: a margin this small is zero.
 inline constexpr double guard_sign = 1e-12;
+/// Of: an input, and what resistors carry that alone meet it.
+/// Why: three digits, which elimination may lose where its other equation has larger terms; where this is less than the largest input, it counts instead.
+inline constexpr double lost_terms = 1e3;
 /// Of: the largest input, and the terms of a slack.
 /// Why: six digits: a port so far on the wrong side is there by no rounding.
 inline constexpr double clear_sign = 1e-6;
