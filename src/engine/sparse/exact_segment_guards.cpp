@@ -273,8 +273,10 @@ double ExactSegment::terms_of(int row) const {
   if (row >= ports) return space_.row_terms(controls_[static_cast<std::size_t>(row - ports)].value);
   const auto port = static_cast<std::size_t>(row);
   if (on_[port] == 0) return node_terms_;
+  const double by_leaks = size_by_leaks(port);
+  if (!(by_leaks < input_terms_)) return input_terms_;
   const double own = tolerance::lost_terms * space_.largest_terms(descriptor_.ports()[port].row, 1);
-  return std::min(input_terms_, std::max(own, size_by_leaks(port)));
+  return std::min(input_terms_, std::max(own, by_leaks));
 }
 
 /// What currents leave of that of an ideal port that is on, where they cancel at its nodes. Where no port has more, all of them are rounding. (One with a resistance takes no more
