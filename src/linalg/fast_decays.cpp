@@ -120,13 +120,18 @@ std::optional<FastPart> fast_part(const Matrix& a) {
   const double slowest = std::abs(rates.back());
   Cut cut = find_cut(rates, INFINITY, slowest);
   if (cut.fast == 0) cut = cut_at(rates, INFINITY, slowest, least_gap_of_part);
-  const Index count = cut.fast;
+  const std::optional<WideFastPart> part = fast_part(a, cut.fast);
+  if (!part) return std::nullopt;
+  return FastPart{part->fast.cast<double>(), part->coordinates.cast<double>(), cut.fast_rate};
+}
+
+std::optional<WideFastPart> fast_part(const Matrix& a, Index count) {
   if (count == 0) return std::nullopt;
   const WideMatrix wide = a.cast<Wide>(), transposed = wide.transpose();
   const WideMatrix fast = dominant_subspace(wide, wide, count), of_rows = dominant_subspace(transposed, transposed, count);
   const WideElimination between(product(of_rows.transpose(), fast), 0);
   if (between.rank() < count) return std::nullopt;
-  return FastPart{fast.cast<double>(), between.solve(of_rows.transpose()).cast<double>(), cut.fast_rate};
+  return WideFastPart{fast, between.solve(of_rows.transpose())};
 }
 
 }  // namespace pwlsim::linalg

@@ -49,6 +49,14 @@ struct FastPart {
   double slowest = 0.0;  ///< rate of them, 1/s
 };
 
+/// The same in extended precision.
+struct WideFastPart {
+  WideMatrix fast, coordinates;
+};
+
+/// Of the `count` fastest motions. None where they are not told apart.
+[[nodiscard]] std::optional<WideFastPart> fast_part(const Matrix& a, Eigen::Index count);
+
 /// None where A has no such decays, whatever their time constants.
 [[nodiscard]] std::optional<FastPart> fast_part(const Matrix& a);
 

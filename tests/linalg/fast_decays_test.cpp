@@ -29,3 +29,16 @@ TEST_CASE("a ring is no fast decay, and equal rates have none", "[unit]") {
   CHECK_FALSE(fast_part(ring));
   CHECK_FALSE(fast_part(-Matrix::Identity(3, 3)));
 }
+
+TEST_CASE("the fastest of several decays are told from the rest in extended precision", "[unit]") {
+  using pwlsim::linalg::WideMatrix;
+  constexpr double fastest = -1e14;
+  const Matrix a = vectors * Vector((Vector(4) << fastest, -1e9, -3.0, -5.0).finished()).asDiagonal() * inverse;
+  const auto part = fast_part(a, 1);
+  REQUIRE(part);
+  REQUIRE(part->fast.cols() == 1);
+  // V's first column is e1, and A e1 is exact in double: its direction has the digits of extended precision, and so do the coordinates of an invariant subspace of that A.
+  const WideMatrix wide = a.cast<long double>();
+  CHECK(static_cast<double>((wide * part->fast - static_cast<long double>(fastest) * part->fast).norm()) <= 1e-18 * -fastest);
+  CHECK(static_cast<double>((part->coordinates * part->fast - WideMatrix::Identity(1, 1)).norm()) <= 1e-17);
+}

@@ -24,8 +24,7 @@ constexpr int most_no_better = 3;          ///< looks at an error that do not le
 /// The same above the rounding that vectors mostly have: a motion that S shows first as one of its own, growing, hides what the others gain.
 constexpr int most_no_better_early = 6;
 constexpr int most_cuts = 12, most_extensions = 6, most_doublings = 3;
-constexpr double first_look = 2.0, next_look = 4.0;  ///< how far events are looked for, of the expected length, and then of that
-constexpr double shorter = 32.0;                     ///< a segment that cannot be made is tried again at so small a part
+constexpr double shorter = 32.0;             ///< a segment that cannot be made is tried again at so small a part
 constexpr double most_rise = 1e6;            ///< of them at the start of a segment: beyond, and beyond what the run has had, are impulses
 constexpr double most_loss = 1e6;            ///< of vectors by orthogonalisation, in roundings
 constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
@@ -285,7 +284,8 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start, 
     present_tolerance_ = tolerance_;
     const bool begins_well = space_.start_rounding() <= tolerance::start_rounding * size_, is_resolved = begins_well && resolve();
     const bool is_cut = !is_resolved || length_ < length;
-    if (begins_well && (forgets_turning() || turns_by_more(is_cut) || (is_cut && takes_shorter_turn())) && shift_for(length) != shift) continue;
+    if (begins_well && (forgets_turning() || turns_by_more(is_cut) || (is_cut && takes_shorter_turn())) && shift_for(length) != shift)
+      continue;
     const bool has_all = is_resolved && keeps_digits();
     if (is_resolved && !has_all && takes_longer_turn() && shift_for(length) != shift) continue;
     if (has_all && space_.dimension() > habits_[key_].most_vectors) note_digits(space_.dimension(), true);
@@ -400,22 +400,6 @@ void ExactSegment::watch_guards(const Position& on) {
     if (!is_better) space_.shrink(before);
     estimate_ = largest_error(space_.estimate(length_));
   }
-}
-
-/// Most events come soon: what lies far beyond is looked at after that.
-void ExactSegment::look(double reach, Located& located) {
-  for (double end = first_look * expected_; !located.found && segment_.certified < reach; end *= next_look)
-    locator_.locate(segment_, std::min(end, reach), located);
-}
-
-const ExactSegment::Passage& ExactSegment::locate(double end) {
-  if (located_) return passage_;
-  located_ = true;
-  const double reach = std::min(end, length_);
-  Located located;
-  look(reach, located);
-  passage_ = {located.found, located.found ? located.tau : reach, located.row};
-  return passage_;
 }
 
 const std::vector<double>& ExactSegment::later(const std::vector<double>& y, double length) {

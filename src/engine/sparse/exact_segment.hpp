@@ -3,6 +3,7 @@
 /// engine's search for events and its test of signs work as they do on a dense mode.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "engine/sparse/krylov_bound.hpp"
 #include "engine/sparse/krylov_space.hpp"
 #include "engine/sparse/sources.hpp"
+#include "linalg/fast_decays.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -186,6 +188,7 @@ class ExactSegment {
   [[nodiscard]] double worst_estimate() const { return worst_; }
 
  private:
+  static constexpr double share_of_norm = 0.1;  ///< of ‖row‖‖y‖: what a guard's rounding is measured by at least
   struct Habit {
     double length = 0.0, turning = 0.0;  ///< s, and radians per s
     double refused = INFINITY;           ///< the shortest length that could not be made, s
@@ -223,7 +226,9 @@ class ExactSegment {
   [[nodiscard]] bool has_wrong_signs();
   [[nodiscard]] bool is_wrong_by_signs(Factors& factors, double shift, const Origin& start, bool& is_begun);
   [[nodiscard]] bool is_cut_within(const std::vector<KrylovSpace::Checkpoint>& points);
-  void look(double reach, Located& located);
+  void look(Segment& segment, double reach, Located& located);
+  [[nodiscard]] bool look_without_decays(double reach, Located& located);
+  [[nodiscard]] std::optional<linalg::WideFastPart> decays_over(double reach) const;
   void stretch(double longest);
   [[nodiscard]] bool reaches(double longer);
   [[nodiscard]] bool has_digits();
@@ -244,6 +249,7 @@ class ExactSegment {
   [[nodiscard]] bool is_short_circuited(int row) const;
   void drop_empty_guards();
   [[nodiscard]] bool outlasts_decay(const std::vector<int>& rows);
+  static void bound_mode(model::Mode& m);
   void bound_guards();
   void leave_out_decays();
   void note_rounding();

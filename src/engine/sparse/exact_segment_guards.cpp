@@ -15,8 +15,7 @@ namespace pwlsim::engine::sparse {
 namespace {
 
 constexpr double noise_of_tolerance = 10.0;  ///< terms of a guard, against the tolerance
-constexpr double share_of_norm = 0.1;
-constexpr double beyond_size = 2e2;  ///< times what a guard is measured against, its noise by the norms of row and state hides it
+constexpr double beyond_size = 2e2;          ///< times what a guard is measured against, its noise by the norms of row and state hides it
 constexpr double time_constants_of_decay = 40.0;  ///< until it is over, to rounding
 constexpr double most_of_length_for_decay = 0.1;  ///< it is worth a segment of its own
 constexpr double beyond_held = 2.0;               ///< of a slack that was held at zero: what is no rounding of it
@@ -103,13 +102,11 @@ bool ExactSegment::outlasts_decay(const std::vector<int>& rows) {
   });
 }
 
-/// What the search and the test of signs ask of a mode.
-void ExactSegment::bound_guards() {
-  model::Mode& m = *mode_;
-  m.n1 = m.ny = space_.dimension();
-  m.regular = true;
-  m.flow = space_.flow();
+/// What the search and the test of signs ask of a mode whose flow and guards are set, but for the noise.
+void ExactSegment::bound_mode(model::Mode& m) {
   linalg::Matrix a = m.flow.a();
+  m.n1 = m.ny = static_cast<int>(a.rows());
+  m.regular = true;
   m.absolute_a = a.cwiseAbs();
   m.norm_a = a.norm();
   m.growth = std::max(0.0, linalg::logarithmic_norm(a));
@@ -119,11 +116,17 @@ void ExactSegment::bound_guards() {
     m.scaled_guard_c_norm = (m.guards * m.scale.asDiagonal()).rowwise().norm();
     m.scaled_input_block_norm.resize(0);
   }
-  m.noise = std::max(tolerance::segment_noise, noise_of_tolerance * present_tolerance_);
   m.absolute_guards = m.guards.cwiseAbs();
   m.guard_norm = m.guard_c_norm = m.guards.rowwise().norm();
   m.guard_block_norm.resize(m.guards.rows(), 0);
   m.input_block_norm.resize(0);
+}
+
+void ExactSegment::bound_guards() {
+  model::Mode& m = *mode_;
+  m.flow = space_.flow();
+  bound_mode(m);
+  m.noise = std::max(tolerance::segment_noise, noise_of_tolerance * present_tolerance_);
   note_terms();
   leave_out_decays();
   note_rounding();
