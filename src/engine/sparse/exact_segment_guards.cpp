@@ -55,7 +55,7 @@ bool ExactSegment::is_short_circuited(int row) const {
   return std::any_of(beside.begin(), beside.end(), [&](int port) { return on_[static_cast<std::size_t>(port)] != 0; });
 }
 
-/// More than what an input is a sum of, by the digits that elimination may lose, where resistors alone meet it.
+/// What resistors carry that alone meet the input, and by the digits that elimination may lose more. Infinite: others meet it, too.
 double ExactSegment::size_by_leaks(std::size_t port) const {
   return tolerance::lost_terms * std::max(voltage_, least_voltage_) * descriptor_.leaks_at(port, on_);
 }
@@ -122,6 +122,7 @@ void ExactSegment::bound_mode(model::Mode& m) {
   m.input_block_norm.resize(0);
 }
 
+/// The same of the segment itself, with the noise.
 void ExactSegment::bound_guards() {
   model::Mode& m = *mode_;
   m.flow = space_.flow();
@@ -270,7 +271,7 @@ void ExactSegment::note_instant(double time, const Position& on, const std::vect
   }
 }
 
-/// Voltages of nodes are right to the last digits of the largest of all, inputs to those of the largest input, or but for so many of their own and of their equation's.
+/// Voltages of nodes are right to the last digits of the largest of all, inputs to those of the largest input, or where leaks alone meet them but for so many to those of their own and of the leaks.
 double ExactSegment::terms_of(int row) const {
   const int ports = descriptor_.first_switch();
   if (row >= ports) return space_.row_terms(controls_[static_cast<std::size_t>(row - ports)].value);

@@ -127,6 +127,7 @@ bool ExactSegment::turns_by_more(bool is_cut) {
   const double least = (is_cut ? turn_of_all : most_turn) * space_.shift(), turning = space_.turning(least);
   if (!(turning > least) || habit.turning >= turning || turning >= habit.no_turning) return false;
   habit.turning = turning;
+  habit.turns = false;
   habit.turns_many_vectors |= space_.dimension() >= many_vectors;
   return true;
 }
