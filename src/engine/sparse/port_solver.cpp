@@ -72,8 +72,13 @@ double PortSolver::rounding_of_input(double shift, const Position& on, std::size
     for (std::size_t i = 0; i < ports.size(); ++i) values[static_cast<Eigen::Index>(i)] = ports[i].response(on[i] != 0, probe_.data());
     take_out_open(on, *factor, values, {&probe_});
   }
-  return std::max(tolerance::voltage_rounding * voltage * std::abs(probe_[row]),
-                  tolerance::node_rounding * voltage_ * descriptor_.conductance_at(port));
+  return std::max(tolerance::voltage_rounding * voltage * std::abs(probe_[row]), rounding_at_nodes(port, on));
+}
+
+/// What the currents of resistors leave where they cancel at a port's nodes.
+double PortSolver::rounding_at_nodes(std::size_t port, const Position& on) const {
+  const double conductance = std::min(descriptor_.conductance_at(port), tolerance::lost_terms * descriptor_.leaks_at(port, on));
+  return tolerance::node_rounding * voltage_ * conductance;
 }
 
 /// Sizes of the terms of each row of a stage's equations, in row_sizes_.
@@ -106,7 +111,7 @@ double PortSolver::rounding_by_rows(const Stage& stage, const Position& on, std:
   const double anywhere = rounding_of_input(stage.shift, on, port, std::max(largest_voltage(z), largest_voltage(stage.from)));
   if (probe_.empty()) return anywhere;
   const double of_rows = tolerance::voltage_rounding * descriptor_.largest_product(probe_, row_sizes_);
-  return std::min(anywhere, std::max(of_rows, tolerance::node_rounding * voltage_ * descriptor_.conductance_at(port)));
+  return std::min(anywhere, std::max(of_rows, rounding_at_nodes(port, on)));
 }
 
 double PortSolver::largest_voltage(const std::vector<double>& z) const {

@@ -82,6 +82,7 @@ class PortSolver {
   [[nodiscard]] Sizes sizes(const std::vector<double>& z) const;
   [[nodiscard]] double rounding_by_rows(const Stage& stage, const Position& on, std::size_t port, const std::vector<double>& z);
   void measure_rows(const Stage& stage, const Position& on, const std::vector<double>& z);
+  [[nodiscard]] double rounding_at_nodes(std::size_t port, const Position& on) const;
   [[nodiscard]] bool is_idle(std::size_t port, const Position& on);
   [[nodiscard]] std::vector<int> violated(const Stage& stage, const Position& on, const std::vector<double>& z, double tolerance);
   [[nodiscard]] Solved iterate(const Stage& stage, double tolerance, Position& on, std::vector<double>& step, std::vector<double>& z);
