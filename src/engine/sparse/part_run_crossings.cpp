@@ -44,7 +44,7 @@ double PartRun::margin(std::size_t index, bool is_control, const Point& at) cons
 
 double PartRun::margin_size(std::size_t index, bool is_control) const {
   if (is_control) return std::max(controls_[index].level_size(), controls_[index].largest);
-  return point_.on[index] != 0 ? ports_.input_size_at(index, point_.on, 0.0, ports_.largest_voltage(point_.z)) : ports_.scale().slack;
+  return point_.on[index] != 0 ? ports_.input_size(index, point_.on, 0.0, ports_.largest_voltage(point_.z)) : ports_.scale().slack;
 }
 
 double PartRun::largest_input(const Point& at) const {
@@ -60,7 +60,7 @@ std::vector<PartRun::Crossing> PartRun::crossings(double h, double reach) {
   const double voltage = std::max(ports_.largest_voltage(point_.z), ports_.largest_voltage(trial_.end.z));
   const auto examine = [&](std::size_t i, bool is_control) {
     const bool is_input = !is_control && point_.on[i] != 0;
-    const double size = is_input ? ports_.input_size_at(i, point_.on, input, voltage) : margin_size(i, is_control);
+    const double size = is_input ? ports_.input_size(i, point_.on, input, voltage) : margin_size(i, is_control);
     double tolerance = (is_control || !passive_ ? tolerance::guard_sign : tolerance::passive_guard_sign) * size;
     if (is_control) tolerance = std::max(tolerance, controls_[i].rounding(unknown));
     const double start = margin(i, is_control, point_), stage = margin(i, is_control, trial_.stage),

@@ -47,12 +47,9 @@ PortSolver::PortSolver(const Descriptor& descriptor, Factors& factors, double vo
 
 PortSolver::~PortSolver() = default;
 
-double PortSolver::input_size(double most) const {
-  return std::max({most, present_input_, tolerance::cross_scale * std::max(held_voltage_, present_slack_)});
-}
-
-double PortSolver::input_size_at(std::size_t port, const Position& on, double most, double voltage) const {
-  return std::min(input_size(most), tolerance::lost_terms * voltage * descriptor_.leaks_at(port, on));
+double PortSolver::input_size(std::size_t port, const Position& on, double most, double voltage) const {
+  const double largest = std::max({most, present_input_, tolerance::cross_scale * std::max(held_voltage_, present_slack_)});
+  return std::min(largest, tolerance::lost_terms * voltage * descriptor_.leaks_at(port, on));
 }
 
 /// In a network of two-terminal parts no current that a voltage at the port drives is larger than the one at the port itself, so that reciprocity makes this
@@ -146,7 +143,7 @@ std::vector<int> PortSolver::violated(const Stage& stage, const Position& on, co
   const auto within = [&](int port) {
     const auto i = static_cast<std::size_t>(port);
     const DescriptorPort& p = descriptor_.ports()[i];
-    const double size = on[i] != 0 ? input_size_at(i, on, most, voltage) : std::max(scale_.slack, stage.slack_size(p, z.data()));
+    const double size = on[i] != 0 ? input_size(i, on, most, voltage) : std::max(scale_.slack, stage.slack_size(p, z.data()));
     const double beyond = stage.free_variable(p, on[i] != 0, z.data()) + tolerance * size;
     if (beyond >= 0.0) return true;
     return on[i] != 0 &&

@@ -51,10 +51,8 @@ class PortSolver {
   }
   [[nodiscard]] const PortScale& scale() const { return scale_; }
   /// What the sign of an input counts against: the largest of the last accepted step, and `most`, of a step beyond it. Not that of the run: what a
-  /// surge leaves behind flows for long.
-  [[nodiscard]] double input_size(double most) const;
-  /// The same of one port, where voltages are at most so large: no more than what resistors carry that alone meet it.
-  [[nodiscard]] double input_size_at(std::size_t port, const Position& on, double most, double voltage) const;
+  /// surge leaves behind flows for long. No more than what resistors carry that alone meet it, where voltages are at most so large.
+  [[nodiscard]] double input_size(std::size_t port, const Position& on, double most, double voltage) const;
   /// What the rounding of voltages of that size makes of the input of a port that is on: that much of its response to a voltage of its own.
   [[nodiscard]] double rounding_of_input(double shift, const Position& on, std::size_t port, double voltage);
   [[nodiscard]] double largest_voltage(const std::vector<double>& z) const;
