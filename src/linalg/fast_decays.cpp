@@ -16,10 +16,10 @@ using Eigen::Index;
 /// Ratio of neighbouring rates that makes a cut, and where none is as large. At a hundred, what the slow motion does while the decays last hides an event (a boost rectifier's
 /// diode, from rest); where decays are only told apart in what is followed as a whole, that is enough.
 constexpr double gap = 1e4, least_gap = 1e3, least_gap_of_part = 1e2;
-constexpr int most_turns_of_subspace = 16;
-/// Before a change that does not shrink to `least_progress` counts as rounding: the gap makes it 10⁻⁴ of the last.
+constexpr int most_turns_of_subspace = 32;
+/// Before a change that does not shrink to `least_progress` counts as rounding: the least gap makes it 0.15 of the last.
 constexpr int fewest_turns_of_subspace = 3;
-constexpr Wide least_progress = 0.1L;
+constexpr Wide least_progress = 0.5L;
 
 template <class Visit>
 void for_each_cut(const Rates& rates, double longest, double other, double ratio, Visit visit) {

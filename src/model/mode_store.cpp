@@ -14,7 +14,8 @@ namespace {
 /// Decays of longer time constants than this are no fast ones, however slow the rest is: against the time that is not followed.
 constexpr double brief_per_unseen = 1e4;
 constexpr std::size_t most_remembered = 6;
-constexpr double share_of_slow = 0.01;  ///< of the slow time constant that decays last at most where no wider gap tells them from it
+/// How long a mode is followed at most, against the same: a hundredth of the run.
+constexpr double followed_per_unseen = 1e7;
 
 }  // namespace
 
@@ -40,7 +41,7 @@ const Mode* ModeStore::slow_mode(const IndexSet& set) {
   return about.slow.get();
 }
 
-/// Only where e^{Aτ} loses that many digits by the time at which the decays are over: else guards at zero keep the entries that are zero in the mode's own coordinates.
+/// Only where its digits are lost by the time at which the decays are over: else guards at zero keep the entries that are zero in the mode's own coordinates.
 const Mode& ModeStore::followed(const Mode& mode) {
   if (mode.decays) return mode;
   Known& about = known(mode.active);
@@ -51,25 +52,29 @@ const Mode& ModeStore::followed(const Mode& mode) {
   return about.apart ? *about.apart : mode;
 }
 
-/// The slowest motion apart from the next faster one, both from the one that is faster again, and so on; null where there is none.
 std::unique_ptr<Mode> ModeStore::build_apart(const Known& about, const Mode& whole) {
-  if (!whole.regular || whole.ny == 0) return nullptr;
+  const double time = about.slow ? time_constants_to_rest * about.slow->decays->slowest : followed_per_unseen * unseen_;
+  if (!whole.regular || whole.ny == 0 || !loses_digits(whole, time)) return nullptr;
   const double longest = brief_per_unseen * unseen_;
-  const std::vector<Cut> cuts = find_cuts(system_, rates_by_speed(whole, longest), longest);
-  if (cuts.empty()) return nullptr;
-  const double time = about.slow ? time_constants_to_rest * about.slow->decays->slowest : share_of_slow / cuts.back().slow_rate;
-  if (!(whole.norm_a * time * tolerance::unit_rounding > tolerance::lost_in_flow)) return nullptr;
+  return apart(about, whole, whole, find_cuts(system_, rates_by_speed(whole, longest), longest));
+}
+
+/// Whether e^{Aτ} does, or the slow rates in A beside the fast ones.
+bool ModeStore::loses_digits(const Mode& mode, double time) { return mode.norm_a * time * tolerance::unit_rounding > tolerance::lost_in_flow; }
+
+/// `mode`, which is `whole` or its slow motion, with the slowest motion apart from the next faster one, both from the one that is faster again, and so on; null where there is none.
+std::unique_ptr<Mode> ModeStore::apart(const Known& about, const Mode& whole, const Mode& mode, const std::vector<Cut>& cuts) {
   std::vector<std::unique_ptr<Mode>> made;
-  const auto keep = [&](std::unique_ptr<Mode> mode) { return made.emplace_back(std::move(mode)).get(); };
+  const auto keep = [&](std::unique_ptr<Mode> next) { return made.emplace_back(std::move(next)).get(); };
   const Mode* slower = nullptr;
-  for (auto cut = cuts.rbegin(); cut != cuts.rend(); ++cut) {
+  for (auto cut = cuts.rbegin(); cut != cuts.rend() && cut->fast > whole.n1 - mode.n1; ++cut) {
     const auto is_at_cut = [&](const std::unique_ptr<Mode>& known) { return known && known->n1 + cut->fast == whole.n1; };
     const Mode* slow = is_at_cut(about.slow) ? about.slow.get() : is_at_cut(about.brief) ? about.brief.get() : nullptr;
     if (!slow) slow = keep(build_slow_mode(system_, whole, *cut, shifted_));
     if (!slow) continue;
-    slower = slower ? keep(with_slow_apart(system_, *slow, *slower)) : slow;
+    slower = slower && !slow->apart ? keep(with_slow_apart(system_, *slow, *slower)) : slow;
   }
-  return slower ? with_slow_apart(system_, whole, *slower) : nullptr;
+  return slower ? with_slow_apart(system_, mode, *slower) : nullptr;
 }
 
 bool ModeStore::may_split(const Mode& whole) const {
@@ -84,6 +89,8 @@ void ModeStore::split(Known& about, const Mode& whole) {
   const Rates rates = rates_by_speed(whole, longest);
   const Cut cut = find_cut(system_, rates, longest);
   about.slow = build_slow_mode(system_, whole, cut, shifted_);
+  if (about.slow && loses_digits(*about.slow, followed_per_unseen * unseen_))
+    if (auto made = apart(about, whole, *about.slow, find_cuts(system_, rates, longest))) about.slow = std::move(made);
   whole.slow = about.slow.get();
   if (!about.slow || time_constants_to_rest * about.slow->decays->slowest <= unseen_) return;
   const Cut brief = find_cut(system_, rates, unseen_ / time_constants_to_rest);

@@ -70,6 +70,8 @@ class ModeStore {
   Entry& look_up(const IndexSet& set);
   void split(Known& about, const Mode& whole);
   std::unique_ptr<Mode> build_apart(const Known& about, const Mode& whole);
+  [[nodiscard]] static bool loses_digits(const Mode& mode, double time);
+  std::unique_ptr<Mode> apart(const Known& about, const Mode& whole, const Mode& mode, const std::vector<Cut>& cuts);
   [[nodiscard]] Matrix open_directions(const Mode& mode) const;
 
   const System& system_;

@@ -68,6 +68,14 @@ std::unique_ptr<Mode> with_slow_apart(const System& system, const Mode& whole, c
   m.outputs = rows_of(slow.outputs, whole.outputs);
   finish_mode(system, m, std::move(a));
   m.guard_noise = whole.guard_noise;
+  if (slow.guard_error.size() > 0 && whole.guard_error.size() > 0) {
+    m.guard_error.resize(m.guards.rows(), m.ny);
+    m.guard_error << slow.guard_error.leftCols(n_slow), whole.guard_error.leftCols(m.n1) * fast.cwiseAbs(), whole.guard_error.rightCols(nz);
+  }
+  if (whole.decays) {
+    m.decays = std::make_unique<Decays>(*whole.decays);
+    m.decays->slow = m.basis.transpose() * m.projector.topRows(n);
+  }
   m.apart = std::make_unique<FastCoordinates>();
   m.apart->first = static_cast<int>(n_slow);
   const Matrix reads = m.basis.rightCols(n_fast).transpose().cwiseAbs();

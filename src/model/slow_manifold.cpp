@@ -41,7 +41,7 @@ constexpr Wide above_slow = 8.0L, below_fast = 2e-9L;
 /// Of the fast rates, so that one loses no more than three digits beside another.
 constexpr double most_spread = 1e3;
 /// Of the lift: at most, and before a change that does not shrink counts as rounding.
-constexpr int most_lifts = 16, fewest_lifts = 3;
+constexpr int most_lifts = 32, fewest_lifts = 3;
 constexpr Wide largest_basis_condition = 1e6L;  ///< of WᵀN
 constexpr int rounds_of_equilibration = 4;
 

@@ -29,7 +29,7 @@ inline constexpr long double manifold_rounding = 1e-18L;
 /// Of: an entry of A, in extended precision.
 /// Why: 16 units of its rounding: an entry is a sum of some terms.
 inline constexpr double rate_rounding = 16.0 * wide_unit_rounding;
-/// Of: the slow motion of a mode, for what rounding of its fast rates makes of it while they are followed.
+/// Of: the slow motion of a mode, for what rounding of its fast rates makes of it while the mode is followed.
 /// Why: a tenth of what rows may be off.
 inline constexpr double lost_in_flow = 1e-10;
 /// Of: the entries of orthonormal vectors, in extended precision.

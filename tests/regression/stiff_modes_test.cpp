@@ -420,3 +420,55 @@ TEST_CASE("fast rates that no gap tells from slow ones take no digits of the cur
       ".end\n";
   CHECK(largest_difference(run_text(deck), run_text_sparse(deck, tolerance)) <= expected);
 }
+
+// Converters 871 and 62, tied: rates of 10¹⁵ 1/s that a gap of 230, and no wider one, tells from 10¹³, and slow motions with rates of 10¹² beside 10⁴: each mode, and each slow motion, lost six digits of the choke's current, and 600,000
+// intervals went by at those rates.
+TEST_CASE("slow motions stand apart from fast rates within them", "[regression]") {
+  constexpr double tolerance = 1e-9, expected = 1e-9;  // of implicit steps; it was 3e-7
+  const std::string deck =
+      "a full bridge with an isolated rectifier, and a twelve-pulse rectifier\n"
+      "Vg0a g0a 0 PULSE(0 1 5.379e-06 0 0 4.101e-06 8.7e-06)\n"
+      "Vg1a g1a 0 PULSE(0 1 9.729e-06 0 0 4.101e-06 8.7e-06)\n"
+      "Vg2a g2a 0 PULSE(0 1 7.4235e-06 0 0 4.101e-06 8.7e-06)\n"
+      "Vg3a g3a 0 PULSE(1 0 7.4235e-06 0 0 4.101e-06 8.7e-06)\n"
+      "V1a ina 0 12\n"
+      "S1a ina aa g0a 0 SX1a\n"
+      "D1a aa ina DX0a\n"
+      "S2a aa 0 g1a 0 SX1a\n"
+      "D2a 0 aa DX0a\n"
+      "S3a ina ba g2a 0 SX1a\n"
+      "S4a ba 0 g3a 0 SX1a\n"
+      "L1a aa ba 0.00488 ic=0\n"
+      "L2a saa 0 0.000388077 ic=0\n"
+      "L3a 0 sba 0.000388077 ic=0\n"
+      "D5a saa fa DX0a\n"
+      "D6a sba fa DX0a\n"
+      "L4a fa outa 0.000766 ic=0\n"
+      "C1a outa 0 9.11e-06 ic=0\n"
+      "K1a L1a L2a L3a 0.99\n"
+      ".model DX0a D(Ron=0.00487 Roff=344000000000 Vfwd=1)\n"
+      ".model SX1a SW(Ron=0.00487 Vt=0.5)\n"
+      "V1b ps0b n1b SIN(0 170 60 0 0 0)\n"
+      "L1b ps0b p0b 8.22e-05 ic=0\n"
+      "V2b ps1b n1b SIN(0 170 60 0 0 -120)\n"
+      "L2b ps1b p1b 8.22e-05 ic=0\n"
+      "V4b qs0b n2b SIN(0 170 60 0 0 -30)\n"
+      "L4b qs0b q0b 8.22e-05 ic=0\n"
+      "V6b qs2b n2b SIN(0 170 60 0 0 -270)\n"
+      "L6b qs2b q2b 8.22e-05 ic=0\n"
+      "D1b p0b dpb DX0b\n"
+      "D2b midb p0b DX0b\n"
+      "D3b p1b dpb DX0b\n"
+      "D7b q0b midb DX0b\n"
+      "D8b 0 q0b DX0b\n"
+      "D11b q2b midb DX0b\n"
+      "L7b dpb outb 0.00014 ic=0\n"
+      "C1b outb 0 0.000452 ic=0\n"
+      ".model DX0b D(Ron=0.00116 Roff=56500000 Vfwd=0)\n"
+      "RT1 fa tie 5.67e+04\n"
+      "RT2 q2b tie 7.63e+04\n"
+      ".tran 2.2e-7 1.65e-5 uic\n"
+      ".save v(fa) i(L4a) i(L1a)\n"
+      ".end\n";
+  CHECK(largest_difference(run_text(deck), run_text_sparse(deck, tolerance)) <= expected);
+}

@@ -18,6 +18,11 @@ constexpr int segments_at_once = 64;
 constexpr std::uint64_t few_intervals = 4;
 /// Where eigenvectors had nothing to say, turns until they are asked again; and where a guard comes near to zero, which other tests tell from a crossing.
 constexpr int turns_without = 2, turns_beside_zero = 64;
+/// From so many intervals on a guard that decays into its rounding is passed over as long as it is rounding at both ends of what is searched: bounds of low order would take as many intervals as
+/// the fastest rate asks for.
+constexpr std::uint64_t intervals_before_rest = 20'000;
+
+bool passes_rest(const Segment& s) { return s.passes_rest || s.intervals > intervals_before_rest; }
 
 }  // namespace
 
@@ -73,8 +78,8 @@ Locator::Progress Locator::pass_without_root(Segment& s, double end, double shor
   const bool is_clear = std::all_of(modal_guards_.begin(), modal_guards_.end(), [&](const ModalSearch::Guard& guard) {
     return linalg::row_times(s.mode->guards, guard.row, ye_.data()) > leaving_zero * guard.noise;
   });
-  if (!is_whole && !is_clear) return ask_later(s, turns_beside_zero);
-  if (is_clear) accept(s, step, end);
+  if (!is_whole && !is_clear && s.intervals <= intervals_before_rest) return ask_later(s, turns_beside_zero);
+  if (is_clear || !is_whole) accept(s, step, end);
   if (is_whole) s.certified = end;
   return is_whole ? Progress::to_end : Progress::some;
 }
@@ -89,7 +94,7 @@ Locator::Progress Locator::search_modal_form(Segment& s, double end, double shor
   resting_.clear();
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     const int order = s.tau == 0.0 ? s.departures[i].order : 0;
-    if (s.passes_rest && is_within_rounding(s, i)) {
+    if (passes_rest(s) && is_within_rounding(s, i)) {
       resting_.push_back(i);
       continue;
     }
