@@ -200,3 +200,31 @@ TEST_CASE("derivatives of sources are zero at the operating point", "[regression
     }
   }
 }
+
+// Nothing flows at rest, so that the capacitor has the voltage of the source. It was 0 V, with W-no-operating-point, by segments and steps: with capacitors in the way 10⁻⁸ S drowned in the rounding of 700 S.
+TEST_CASE("a leak that charges a capacitor through its series resistance has an operating point", "[regression]") {
+  constexpr double tolerance = 1e-9;
+  const char* leak = GENERATE("1meg", "100meg", "10g");
+  const std::string text = fmt::format("leak\nV1 s 0 48\nR1 s c {}\nR2 c x 1.43m\nC1 x 0 78n\n.save v(x)\n.tran 1u 10u\n.end\n", leak);
+  CAPTURE(leak);
+  for (const DeckRun& run : {run_text(text), run_text_segments(text), run_text_sparse(text, 1e-7)}) {
+    REQUIRE(run.answer.outcome == engine::Outcome::completed);
+    CHECK(starts_at_rest(run));
+    CHECK(run.rows.front().back() == Approx(48.0).epsilon(tolerance));
+  }
+}
+
+// The same behind an open switch of 100 MΩ and an inductor; it was 5·10⁻⁴ V off, with W-op-not-unique.
+TEST_CASE("a leak of a switch that charges a capacitor through its series resistance has one operating point", "[regression]") {
+  constexpr double tolerance = 1e-9;
+  const std::string text =
+      "boost\n.model SM SW(Ron=0.0333 Roff=1e8 Vt=0.5)\n.model DM D(Ron=0.00449 Roff=1e9 Vfwd=0.3)\nV1 s 0 48\nL1 s d 149u\n"
+      "S1 d 0 g 0 SM\nD1 0 d DM\nVg g 0 PULSE(0 1 1u 1n 1n 1u 3u)\nS2 c d h 0 SM\nVh h 0 0\nD2 d c DM\nR1 c x 1.43m\nC1 x 0 78n\n"
+      ".save v(x)\n.tran 0.1u 0.9u\n.end\n";
+  for (const DeckRun& run : {run_text(text), run_text_segments(text), run_text_sparse(text, 1e-7)}) {
+    REQUIRE(run.answer.outcome == engine::Outcome::completed);
+    const auto& remarks = run.answer.remarks;
+    CHECK(std::none_of(remarks.begin(), remarks.end(), [](const auto& remark) { return remark.id == "W-op-not-unique"; }));
+    CHECK(run.rows.front().back() == Approx(48.0).epsilon(tolerance));
+  }
+}

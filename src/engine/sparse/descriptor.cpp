@@ -136,7 +136,8 @@ class Descriptor::Stamps {
   Descriptor& d_;
 };
 
-Descriptor::Descriptor(const model::Network& network) : network_(network), r0_(scale_of(network)), sets_(network, r0_), windings_(network) {
+Descriptor::Descriptor(const model::Network& network, Steps steps)
+    : network_(network), r0_(scale_of(network)), sets_(network, r0_, steps == Steps::to_rest), windings_(network) {
   number_unknowns();
   constant_.assign(static_cast<std::size_t>(size()), 0.0);
   Stamps stamps(*this);

@@ -98,7 +98,9 @@ struct State {
 
 class Descriptor {
  public:
-  explicit Descriptor(const model::Network& network);
+  /// Steps that follow motions, or those to an operating point, in which capacitors are nearly open.
+  enum class Steps { short_ones, to_rest };
+  explicit Descriptor(const model::Network& network, Steps steps = Steps::short_ones);
 
   [[nodiscard]] const model::Network& network() const { return network_; }
   [[nodiscard]] const model::Unknowns& unknowns() const { return unknowns_; }

@@ -21,10 +21,10 @@ struct Join {
   double strength;
 };
 
-/// Joins nodes by ever smaller capacitors, and what these join by ever larger resistors.
+/// Joins nodes by ever smaller capacitors, and what these join by ever larger resistors; at rest the other way round.
 class SetBuilder {
  public:
-  SetBuilder(const model::Network& network, double r0)
+  SetBuilder(const model::Network& network, double r0, bool at_rest)
       : sets_(static_cast<int>(network.nodes.size()) + 1),
         groups_(network.nodes.size() + 1),
         beyond_(network.nodes.size(), ground),
@@ -34,16 +34,9 @@ class SetBuilder {
       for (const NodeIndex node : {branch.p, branch.n})
         if (node != ground) at_source_[static_cast<std::size_t>(node)] = 1;
     for (NodeIndex node = 0; node < static_cast<NodeIndex>(network.nodes.size()); ++node) group(node).rows = {node};
-    std::vector<Join> joins;
-    for (const auto& c : network.capacitors) joins.push_back({c.p, c.n, std::abs(c.capacitance)});
-    join_strongest_first(joins, tolerance::small_capacitor);
-    close_all();
-    joins.clear();
-    for (const auto& branch : network.branches) joins.push_back({branch.p, branch.n, 1.0 / r0});
-    for (const auto& l : network.inductors) joins.push_back({l.p, l.n, 1.0 / r0});
-    for (const auto& r : network.resistors) joins.push_back({r.p, r.n, 1.0 / std::abs(r.resistance)});
-    join_strongest_first(joins, tolerance::small_conductance);
-    close_all();
+    if (!at_rest) join_capacitors(network);
+    join_others(network, r0);
+    if (at_rest) join_capacitors(network);
   }
   [[nodiscard]] std::vector<int> take() { return std::move(beyond_); }
 
@@ -54,6 +47,22 @@ class SetBuilder {
     std::pair<int, int> first{ground, ground};
     double largest = 0.0;
   };
+  void join_capacitors(const model::Network& network) {
+    std::vector<Join> joins;
+    for (const auto& c : network.capacitors) joins.push_back({c.p, c.n, std::abs(c.capacitance)});
+    join_strongest_first(joins, tolerance::small_capacitor);
+    close_all();
+  }
+
+  void join_others(const model::Network& network, double r0) {
+    std::vector<Join> joins;
+    for (const auto& branch : network.branches) joins.push_back({branch.p, branch.n, 1.0 / r0});
+    for (const auto& l : network.inductors) joins.push_back({l.p, l.n, 1.0 / r0});
+    for (const auto& r : network.resistors) joins.push_back({r.p, r.n, 1.0 / std::abs(r.resistance)});
+    join_strongest_first(joins, tolerance::small_conductance);
+    close_all();
+  }
+
   [[nodiscard]] Group& group(NodeIndex node) { return groups_[static_cast<std::size_t>(sets_.find(node + 1))]; }
 
   /// `small`: of the strongest that joins a set, the part below which it is closed first.
@@ -115,7 +124,7 @@ class SetBuilder {
 
 }  // namespace
 
-FloatingSets::FloatingSets(const model::Network& network, double r0) : beyond_(SetBuilder(network, r0).take()) {}
+FloatingSets::FloatingSets(const model::Network& network, double r0, bool at_rest) : beyond_(SetBuilder(network, r0, at_rest).take()) {}
 
 std::vector<FloatingSets::Cut> FloatingSets::cuts(NodeIndex p, NodeIndex n) const {
   std::vector<Cut> result;

@@ -2,7 +2,8 @@
 /// Sets of nodes that capacitors join, with little or nothing of them to what is outside: what leaves such a set drowns beside C/h in each node's own equation, in the
 /// rounding of charges. One row of the set holds Kirchhoff's current law of the whole set instead, in which the capacitors between its nodes do not count. Sets are nested: the
 /// larger capacitors join a set, far smaller ones join such sets. All else that joins nodes does the same with these sets, but for resistors that are far larger than those within: in the equations
-/// of the nodes such a leak, which alone may hold their potential, drowns in the rounding of what flows between them.
+/// of the nodes such a leak, which alone may hold their potential, drowns in the rounding of what flows between them. Where capacitors are nearly open, in the long steps to an operating point, all
+/// else joins sets first: a leak alone charges a capacitor then, through its series resistance.
 ///
 /// The law that is left out, of one node or one set within, follows from the others, so that their rounding ends there: it is that of the largest capacitor, or of the smallest resistor.
 /// The row has an entry for all that leaves the set, and must not become a pivot early. So it is that of a node at a voltage source, if there is one: the source's
@@ -17,8 +18,8 @@ namespace pwlsim::engine::sparse {
 
 class FloatingSets {
  public:
-  /// `r0`: a typical resistance, ohms; what has a current of its own joins as much.
-  FloatingSets(const model::Network& network, double r0);
+  /// `r0`: a typical resistance, ohms; what has a current of its own joins as much. `at_rest`: capacitors are nearly open.
+  FloatingSets(const model::Network& network, double r0, bool at_rest);
 
   /// A row of Kirchhoff's current law in which a current from node p to node n counts, and its sign there.
   struct Cut {

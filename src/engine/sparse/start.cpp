@@ -222,7 +222,7 @@ PartStart start_from_operating_point(const Network& network, const Descriptor& d
   if (told) return start_from_initial_values(network, descriptor);
   PartStart start;
   const Network forced = model::with_held_conditions(network);
-  const Descriptor system(forced);
+  const Descriptor system(forced, Descriptor::Steps::to_rest);
   RestFinder point(forced, system);
   if (!point.run()) {
     const bool is_forced = forced.branches.size() + forced.injections.size() > network.branches.size() + network.injections.size();
@@ -248,7 +248,7 @@ PartStart start_from_operating_point(const Network& network, const Descriptor& d
 }
 
 std::optional<Rest> rest_of(const Network& network) {
-  const Descriptor descriptor(network);
+  const Descriptor descriptor(network, Descriptor::Steps::to_rest);
   RestFinder point(network, descriptor);
   if (!point.find_rest()) return std::nullopt;
   Rest rest;
