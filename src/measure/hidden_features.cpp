@@ -178,13 +178,11 @@ void apply_function(std::string_view name, std::vector<Operand>& arguments, Oper
   } else if (is({"sgn", "floor", "ceil", "int", "round", "buf", "inv"})) {
     const auto [least, largest] = std::minmax_element(result.values.begin(), result.values.end());
     result.bounds = {*least, *largest};
-  } else {  // one of its arguments, or the first and a constant: abs, min, max, limit, mod
-    result.bounds = {unbounded, -unbounded};
-    for (const Operand& argument : arguments) {
-      const double size = name == "abs" || name == "mod" ? argument.bounds.largest_magnitude() : -unbounded;
-      result.bounds.least = std::min({result.bounds.least, argument.bounds.least, name == "mod" ? -size : unbounded});
-      result.bounds.largest = std::max({result.bounds.largest, argument.bounds.largest, size});
-    }
+  } else if (name == "abs") {
+    result.bounds = {x.smallest_magnitude(), x.largest_magnitude()};
+  } else if (name == "mod" && arguments[1].bounds.width() == 0.0) {
+    const double multiple = result.values[0] - arguments[0].values[0];
+    result.bounds = {x.least + multiple, x.largest + multiple};
   }
   if (std::isnan(result.bounds.least) || std::isnan(result.bounds.largest)) result.bounds = {};
 }
@@ -221,14 +219,20 @@ void find_result(const circuit::MeasuredExpression::Step& step, std::vector<Oper
     result.bounds = {-own[0].bounds.largest, -own[0].bounds.least};
   } else if (step.kind == StepKind::operation) {
     operate(step.operation, own[0], own[1], result);
-  } else if (step.kind == StepKind::function) {
-    apply_function(step.function->name, own, result);
-  } else if (step.kind == StepKind::choose) {
-    const Operand& chosen = own[0].values[own[0].values.size() / 2] != 0.0 ? own[1] : own[2];
+  } else if (step.kind == StepKind::choose ||
+             (step.kind == StepKind::function && step.function->corners == circuit::Corners::of_differences)) {
+    // One of its operands, the same on the whole part.
+    const std::size_t middle = result.values.size() / 2;
+    const auto is_chosen = [&](const Operand& operand) { return operand.values[middle] == result.values[middle]; };
+    const auto found = std::find_if(own.begin(), own.end(), is_chosen);
+    const bool is_first = own[0].values[middle] != 0.0;
+    const Operand& chosen = step.kind == StepKind::choose ? own[is_first ? 1 : 2] : found == own.end() ? own[0] : *found;
     result.bounds = chosen.bounds;
     result.hides = chosen.hides;
     result.is_resolved = chosen.is_resolved;
     return;
+  } else if (step.kind == StepKind::function) {
+    apply_function(step.function->name, own, result);
   } else {
     result.bounds = {0.0, 1.0};
   }

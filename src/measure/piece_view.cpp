@@ -31,7 +31,7 @@ constexpr double equal_sides = 1e-13;
 constexpr double turn_tail = 1e-13;
 /// A tail that halving does not lower to `stalled`, or to this part where it is larger, is rounding of arguments.
 constexpr double hardly_less = 0.9, stalled_turn = 1e-9, rough_turn = 1e-3;
-constexpr double turn_rounding = 1e-15;  ///< of such a quantity's terms
+constexpr double turn_rounding = 2e-14;  ///< of such a quantity's terms: what comes no farther past a level touches it
 /// Of a time: two closer ones are one instant.
 constexpr double same_instant = 4.0 * std::numeric_limits<double>::epsilon();
 /// Of a part's length, from its ends: where the expression is compared with its series, inside the part.
@@ -64,6 +64,12 @@ double zero_time(const linalg::LegendreSeries& series, double zero, double round
     ((at_middle < 0.0) == (at_a < 0.0) ? a : b) = middle;
   }
   return b;
+}
+
+/// Whether two values of a quantity of turns are on the same side of its zero, or of all integers.
+bool on_one_side(double a, double b, bool at_integers) {
+  if (at_integers) return std::ceil(a) == std::ceil(b) && std::floor(a) == std::floor(b);
+  return (a < 0.0) == (b < 0.0) && (a > 0.0) == (b > 0.0);
 }
 
 }  // namespace
@@ -141,12 +147,8 @@ double PieceView::noise_of(const Program& program, const std::vector<double>& re
   std::vector<double> shifted_turns, sizes;
   // Where the shift takes a condition to its other side, what changes is the expression.
   const auto is_same = [&](std::size_t i) {
-    for (std::size_t turn = 0; turn < program.turns(); ++turn) {
-      const double a = turns_[turn * points + i], b = shifted_turns[turn * points + i];
-      if (program.turns_at_integers(turn) ? std::ceil(a) != std::ceil(b) || std::floor(a) != std::floor(b)
-                                          : (a < 0.0) != (b < 0.0) || (a > 0.0) != (b > 0.0))
-        return false;
-    }
+    for (std::size_t turn = 0; turn < program.turns(); ++turn)
+      if (!on_one_side(turns_[turn * points + i], shifted_turns[turn * points + i], program.turns_at_integers(turn))) return false;
     return true;
   };
   double sum = 0.0;
@@ -342,6 +344,20 @@ PolynomialPart PieceView::part_on(const Program& program, const std::vector<doub
   return part;
 }
 
+/// Whether a quantity of turns is on another side at `time` than at the point of the part that is nearest: at an end it touches its zero or an integer, to rounding.
+bool PieceView::touches(const Program& program, const std::vector<double>& results, const PolynomialPart& part, double time,
+                        std::size_t nearest) {
+  if (program.turns() == 0) return false;
+  set_inputs(program, results, part.from, part.to);
+  program.find_turns(inputs_, points, turns_, turn_sizes_);
+  std::vector<double> there;
+  set_inputs(program, results, time);
+  program.find_turns(inputs_, 1, there, turn_sizes_);
+  for (std::size_t turn = 0; turn < program.turns(); ++turn)
+    if (!on_one_side(turns_[turn * points + nearest], there[turn], program.turns_at_integers(turn))) return true;
+  return false;
+}
+
 /// 0 for a part that is resolved. A narrow decay may hide between an end and the first point, and a narrow peak between points: `hidden`, how far the expression may vary there. What
 /// halving leaves as it was is rounding, unless it is large.
 double PieceView::error_of(const Program& program, const std::vector<double>& results, const PolynomialPart& part, double tail_before,
@@ -350,11 +366,12 @@ double PieceView::error_of(const Program& program, const std::vector<double>& re
   if (program.degree() >= 0) return tail <= product_tail * scale ? 0.0 : tail;
   // Not at the ends themselves, which may be jumps.
   const double margin = std::max(inside * part.length(), instant_at(part.from, part.to));
-  const auto off = [&](double time) {
-    return std::abs(part.series(2.0 * (time - part.from) / part.length() - 1.0) - value(program, results, time));
-  };
-  const double ends = std::max(off(part.from + margin), off(part.to - margin));
   const double tolerance = resolution * scale;
+  const auto off = [&](double time, std::size_t nearest) {
+    const double difference = std::abs(part.series(2.0 * (time - part.from) / part.length() - 1.0) - value(program, results, time));
+    return difference > tolerance && touches(program, results, part, time, nearest) ? 0.0 : difference;
+  };
+  const double ends = std::max(off(part.from + margin, 0), off(part.to - margin, points - 1));
   const bool is_small = std::max(tail, ends) <= noise * scale && tail > stalled * tail_before;
   const bool is_short = depth >= deep && std::max(tail, ends) <= deep_noise * scale && tail > stalled_deep * tail_before;
   const bool is_rounding = is_small || is_short;

@@ -50,6 +50,8 @@ class PieceView {
   void split(const Program& program, const std::vector<double>& results, const PolynomialPart& whole, double& scale);
   [[nodiscard]] double error_of(const Program& program, const std::vector<double>& results, const PolynomialPart& part, double tail_before,
                                 int depth, double scale, double& hidden);
+  [[nodiscard]] bool touches(const Program& program, const std::vector<double>& results, const PolynomialPart& part, double time,
+                             std::size_t nearest);
   void find_cuts(const Program& program, const std::vector<double>& results, double from, double to, std::size_t turn, int depth,
                  double tail_before);
   [[nodiscard]] std::vector<double> cuts_of(const Program& program, const std::vector<double>& results, std::size_t turn, double from,

@@ -56,10 +56,11 @@ TEST_CASE("a crossing by a jump is at the jump, whatever the level", "[regressio
                               {"TRIG " + value + " RISE=1 TARG " + value + " FALL=1", 1.0 / 3.0}});
   }
   for (const char* never : {"if(V(a)>1,5,0)=5.2", "if(V(a)>1,5,0)=5.0001", "if(V(a)>1,5,0)=-.3", "if(V(a)>1,5,0)=4.9 RISE=2",
-                            "if(V(a)<0,10,0)=10.5 FROM=.5 TO=.7"}) {
+                            "if(V(a)<0,10,0)=10.5 FROM=.5 TO=.7", "floor(V(a))=1.5"}) {
     INFO(never);
     const Measured m = measure_deck(sine_and_ramp + ".meas m WHEN " + never + "\n");
-    CHECK(m.result("m").failure.find("at no time") + m.result("m").failure.find("once") != 2 * std::string::npos);
+    const std::string& failure = m.result("m").failure;
+    CHECK((failure.find("at no time") != std::string::npos || failure.find(" once ") != std::string::npos));
     CHECK(m.value.count("m") == 0);
   }
 }
@@ -85,6 +86,7 @@ TEST_CASE("conditions within conditions", "[regression]") {
   // u is 1 to 0.5 s, 0 to 0.505 s, and 1 again, as −v(a) is positive then
   check_alone_and_together({{"AVG u(if(time<.505,V(a),-V(a))) FROM=.42 TO=.56", 1.0 - 0.005 / 0.14},
                             {"AVG u(if(time<.501,V(a),-V(a)))", 0.999},
+                            {"MAX tanh(20*max(tanh(20*time),sin(7*V(b))))", 1.0},  // tanh 20
                             {"AVG if(abs(V(b))<1,if(V(b)>0,1,2),3)", 0.25 * 1.0 + 0.25 * 2.0 + 0.5 * 3.0}});
 }
 
