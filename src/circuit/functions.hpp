@@ -7,8 +7,16 @@
 
 namespace pwlsim::circuit {
 
-/// Where a function has corners or jumps: nowhere; where its first argument is zero; where two arguments are equal; at levels of its first argument.
-enum class Corners { none, at_zero, of_differences, at_levels };
+/// Where a function has corners or jumps.
+enum class Corners {
+  none,
+  at_zero,        ///< of its first argument
+  at_half,        ///< where its first argument is 0.5
+  at_integers,    ///< of its first argument
+  at_halves,      ///< where its first argument is an integer and a half
+  of_quotient,    ///< where its first argument is a multiple of the second
+  of_differences  ///< where two arguments are equal
+};
 
 struct BuiltinFunction {
   std::string_view name;

@@ -62,8 +62,7 @@ const Tables& tables() {
 }
 
 /// The zero of f between a and b, at which f has different signs: Newton's steps inside the bracket, halves outside.
-double zero_between(const LegendreSeries& f, const LegendreSeries& slope, double a, double b) {
-  const bool rises = f(a) < 0.0;
+double zero_between(const LegendreSeries& f, const LegendreSeries& slope, double a, double b, bool rises) {
   double x = 0.5 * (a + b);
   for (int iteration = 0; iteration < most_iterations && b - a > tolerance::series_rounding; ++iteration) {
     const double value = f(x);
@@ -84,11 +83,17 @@ class ZeroSearch {
   void search(const LegendreSeries& part, double lower, double upper, int depth) {
     const double mean = std::abs(part.mean());
     const double variation = part.variation();
-    if (mean > variation + noise_ || mean + variation <= noise_ || depth > deepest) return;
+    if (mean + variation <= noise_ || depth > deepest) return;
+    if (mean > variation + noise_) {
+      see(part.mean(), lower);
+      last_ = upper;
+      return;
+    }
     if (!std::isfinite(mean + variation) || ++parts_ > most_parts) return;
     const LegendreSeries slope = part.derivative();
     if (std::abs(slope.mean()) > slope.variation()) {
-      if ((part(-1.0) < 0.0) != (part(1.0) < 0.0)) zeros.push_back(zero_between(f_, slope_, lower, upper));
+      see(part(-1.0), lower);
+      see(part(1.0), upper);
       return;
     }
     const double middle = 0.5 * (lower + upper);
@@ -99,10 +104,22 @@ class ZeroSearch {
   std::vector<double> zeros;
 
  private:
+  /// Values from left to right. Between one and the next beyond the noise, of the other sign, there is a zero: a flat one (x³) may have a stretch of noise around it.
+  void see(double value, double x) {
+    if (std::abs(value) <= noise_) return;
+    const bool is_positive = value > 0.0;
+    if (has_sign_ && is_positive != is_positive_) zeros.push_back(zero_between(f_, slope_, last_, x, is_positive));
+    has_sign_ = true;
+    is_positive_ = is_positive;
+    last_ = x;
+  }
+
   const LegendreSeries& f_;
   const LegendreSeries slope_;
   double noise_;
   int parts_ = 0;
+  bool has_sign_ = false, is_positive_ = false;
+  double last_ = -1.0;  ///< where the sign was seen last
 };
 
 }  // namespace

@@ -209,7 +209,7 @@ void Meter::take_when(PieceView& view, double from, double to) {
     const bool is_done = found_ && !measurement_.when->last;
     if (is_done || !is_finite(part)) return;
     scale_ = std::max(scale_, largest_of(part.values.data()));
-    watch_->take(part, noise, [&](double time) { read_at(view, time); });
+    watch_->take(part, noise, [&](double time) { read_at(view, view.refined_zero(difference_, results_, part, time, noise)); });
   });
   if (resolved && to >= to_ && !watch_->is_done())
     watch_->finish(view.value(difference_, results_, to), noise, to, [&](double time) { read_at(view, time); });
@@ -217,11 +217,12 @@ void Meter::take_when(PieceView& view, double from, double to) {
 }
 
 void Meter::take_window(PieceView& view, double from, double to) {
-  const bool resolved = view.resolve(expression_, results_, from, to, scale_, [&](const PolynomialPart& part) {
+  const auto take = [&](const PolynomialPart& part) {
     if (!is_finite(part)) return;
     scale_ = std::max(scale_, largest_of(part.values.data()));
     add(part);
-  });
+  };
+  const bool resolved = view.resolve(expression_, results_, from, to, scale_, take, integrates());
   if (!resolved && failure_.empty()) fail(too_fast(from, to));
 }
 
@@ -254,7 +255,12 @@ void Meter::add(const PolynomialPart& part) {
 
 void Meter::add_extremes(const PolynomialPart& part) {
   const double size = part.series.variation();
-  if (any_ && (part.length() <= sliver_ || (part.series.mean() - size >= least_ && part.series.mean() + size <= largest_))) return;
+  const bool is_sliver = part.length() <= sliver_;
+  if (is_sliver && any_ && !only_slivers_) return;
+  // What a window that begins a rounding before a jump has of before it.
+  if (only_slivers_ && !is_sliver) any_ = false;
+  only_slivers_ = is_sliver && (!any_ || only_slivers_);
+  if (any_ && (part.series.mean() - size >= least_ && part.series.mean() + size <= largest_)) return;
   const linalg::Extremes found = linalg::extremes(part.series);
   if (!any_ || found.least < least_) least_ = found.least, least_at_ = part.time(found.least_at);
   if (!any_ || found.largest > largest_) largest_ = found.largest, largest_at_ = part.time(found.largest_at);

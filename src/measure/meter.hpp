@@ -79,7 +79,7 @@ class Meter {
   std::string failure_;
   long double sum_ = 0.0L;
   double scale_ = 0.0;  ///< largest value so far
-  bool any_ = false;
+  bool any_ = false, only_slivers_ = false;
   /// Impulses that wait for the piece after them.
   struct Instant {
     double time = 0.0;

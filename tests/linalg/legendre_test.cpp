@@ -55,6 +55,10 @@ TEST_CASE("sign changes: all simple zeros, and touches only as pairs", "[unit]")
   CHECK(touch.size() % 2 == 0);
   for (const double x : touch) CHECK(x == Approx(0.3).epsilon(1e-7));  // the root of rounding
   CHECK(sign_changes(through([](double) { return 0.0; }), 1e-15).empty());
+  // A flat zero lies in a stretch of noise, here at a halving.
+  const auto flat = sign_changes(through([](double x) { return x * x * x; }), 1e-14);
+  REQUIRE(flat.size() == 1);
+  CHECK(flat[0] == Approx(0.0).margin(2.2e-5));  // the third root of the noise
   // Numbers of one or two bits and numbers that are none have no signs, and are not searched for ever.
   CHECK(sign_changes(through([](double x) { return 1e-323 * std::sin(40.0 * x); }), 0.0).empty());
   CHECK(sign_changes(through([](double x) { return x < 0.3 ? x : std::numeric_limits<double>::quiet_NaN(); }), 0.0).empty());
@@ -68,6 +72,8 @@ TEST_CASE("extremes lie at zeros of the derivative or at the ends", "[unit]") {
   CHECK(std::abs(tiny.least) < 1e-322);  // e^-745 to e^-743, in units of 5e-324
   CHECK(std::abs(tiny.largest) < 1e-322);
 
+  const Extremes flat = extremes(through([](double x) { return std::pow(x - 0.25, 4) - 1.0; }));
+  CHECK(flat.least == Approx(-1.0).epsilon(4.0 * series_rounding));
   const Extremes slope = extremes(through([](double x) { return 2.0 * x; }));
   CHECK(slope.largest_at == 1.0);
   CHECK(slope.least_at == -1.0);
