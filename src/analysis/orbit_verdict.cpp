@@ -72,14 +72,8 @@ class OrbitJudge {
     if (card_.trigger == Trigger::none)
       fail("E-pss-no-oscillation", "the circuit has no periodic source and settles to a constant state; try .op for its operating point");
     else
-      fail("E-pss-no-trigger", fmt::format("the event of {} does not recur within {}; try another one, or tstab=", trigger_text(),
+      fail("E-pss-no-trigger", fmt::format("the event of {} does not recur within {}; try another one, or tstab=", trigger_text(card_),
                                            quantity(state_.orbit.answer.time, "s")));
-  }
-
-  [[nodiscard]] std::string trigger_text() const {
-    if (card_.trigger == Trigger::crosses)
-      return fmt::format("when {}={} {}", card_.element, card_.level, card_.is_falling ? "fall" : "rise");
-    return fmt::format("{}={}", card_.trigger == Trigger::closes ? "on" : "off", card_.element);
   }
 
   [[nodiscard]] std::string not_converged_text() const {
@@ -173,6 +167,12 @@ class OrbitJudge {
 };
 
 }  // namespace
+
+std::string trigger_text(const circuit::SteadyStateAnalysis& card) {
+  using Kind = circuit::SteadyStateAnalysis::Trigger;
+  if (card.trigger == Kind::crosses) return fmt::format("when {}={} {}", card.element, card.level, card.is_falling ? "fall" : "rise");
+  return fmt::format("{}={}", card.trigger == Kind::closes ? "on" : "off", card.element);
+}
 
 void judge_orbit(const circuit::SteadyStateAnalysis& card, SteadyState& state) {
   if (state.id.empty()) OrbitJudge(card, state).run();

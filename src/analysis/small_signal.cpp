@@ -76,7 +76,8 @@ steady::ComplexVector limit_at_rest(double period, const std::function<steady::C
   steady::ComplexVector limit = ((4.0 * one - two) / 3.0).real().cast<Complex>();
   const double least = rounding * (one.allFinite() ? one.cwiseAbs().maxCoeff() : 0.0);
   for (Eigen::Index k = 0; k < limit.size(); ++k)
-    if (!(std::abs(one[k] - two[k]) <= same_value * std::abs(one[k]) + least)) limit[k] = std::numeric_limits<double>::quiet_NaN();
+    if (!(std::abs(one[k] - two[k]) <= same_value * std::abs(one[k]) + least))
+      limit[k] = Complex(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN());
   return limit;
 }
 

@@ -330,7 +330,15 @@ class Finder {
     return false;
   }
 
+  /// ngspice's card always names a node.
+  void remark_on_trigger() {
+    if (card_.trigger != circuit::SteadyStateAnalysis::Trigger::none && !card_.level_is_mean)
+      say(Severity::note, "N-pss-no-effect",
+          fmt::format("{} has no effect: the circuit is driven, and the orbit begins with a period of its sources", trigger_text(card_)));
+  }
+
   void find_driven() {
+    remark_on_trigger();
     if (has_segments_) return find_driven_by_segments();
     const bool begins_on_segments = runs_by_segments(compiled_.network, choice_ == EngineChoice::modes ? EngineChoice::exact : choice_);
     if (begins_on_segments)

@@ -8,6 +8,7 @@
 #include "base/names.hpp"
 #include "circuit/cards.hpp"
 #include "netlist/card_style.hpp"
+#include "netlist/number.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -274,6 +275,9 @@ class DefinitionReader {
       } else if (item.items.size() > 1) {
         reporter_.error("E-unexpected", item.text_span,
                         fmt::format("{} is not a parameter name; for a function use {}", item.text, func_usage));
+      } else if (netlist::read_number(item.text).valid) {
+        reporter_.error("E-unexpected", item.text_span,
+                        fmt::format("{} is a number, not a parameter name; usage: .param name=value ...", item.text));
       } else {
         list.push_back({item.text, item.text_span, value_of(item)});
       }

@@ -182,6 +182,7 @@ void Expander::give(Place& place, const Card& card, const Item& assignment, Scop
   } else {
     inner.define_failed(assignment.text, assignment.text_span);
   }
+  if (!assignment.items.empty()) inner.set_bare_femto(assignment.text, place.scope.bare_femto(assignment.items[0]));
 }
 
 std::string Expander::full_node_name(const Place& place, const std::string& name) const {

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "circuit/level_edges.hpp"
 #include "circuit/unread_parts.hpp"
 
 namespace pwlsim::circuit {
@@ -19,22 +20,25 @@ using elements::Instance;
 using model::NodeIndex;
 using PartKind = FormulaPart::Kind;
 
+/// The way from one value to another.
+enum class Edges { none, short_ones, long_ones };
+
 /// One value or two, ascending.
 struct Taken {
   std::vector<double> values{0.0};
-  bool has_edges = false;  ///< on its way from one to the other it is between them for a time
+  Edges edges = Edges::none;  ///< on its way from one to the other it is between them for a time
 };
 using MaybeTaken = std::optional<Taken>;
 
 /// Values that differ by less are one but for the rounding of the arithmetic that made them.
 constexpr double level_rounding = 1e-12;
 
-MaybeTaken taken(std::vector<double> values, bool has_edges) {
+MaybeTaken taken(std::vector<double> values, Edges edges) {
   std::sort(values.begin(), values.end());
   const auto is_same = [](double a, double b) { return b - a <= level_rounding * std::max(std::abs(a), std::abs(b)); };
   values.erase(std::unique(values.begin(), values.end(), is_same), values.end());
   if (values.empty() || values.size() > 2) return std::nullopt;
-  return Taken{std::move(values), has_edges};
+  return Taken{std::move(values), edges};
 }
 
 /// a + factor·b
@@ -42,13 +46,19 @@ MaybeTaken sum_of(const Taken& a, const Taken& b, double factor) {
   std::vector<double> values;
   for (const double x : a.values)
     for (const double y : b.values) values.push_back(x + factor * y);
-  return taken(std::move(values), a.has_edges || (b.has_edges && factor != 0.0));
+  return taken(std::move(values), factor != 0.0 ? std::max(a.edges, b.edges) : a.edges);
 }
 
-MaybeTaken taken_by(const model::SourceFunction& function) {
-  if (const auto* dc = std::get_if<model::Dc>(&function)) return Taken{{dc->value}, false};
+Edges edges_of(bool has_some, bool has_short_ones) {
+  if (!has_some) return Edges::none;
+  return has_short_ones ? Edges::short_ones : Edges::long_ones;
+}
+
+/// In a run until `stop`.
+MaybeTaken taken_by(const model::SourceFunction& function, double stop) {
+  if (const auto* dc = std::get_if<model::Dc>(&function)) return Taken{{dc->value}};
   if (const auto* pulse = std::get_if<model::Pulse>(&function))
-    return taken({pulse->initial, pulse->pulsed}, pulse->rise > 0.0 || pulse->fall > 0.0);
+    return taken({pulse->initial, pulse->pulsed}, edges_of(pulse->rise > 0.0 || pulse->fall > 0.0, has_short_edges(*pulse, stop)));
   const auto* pwl = std::get_if<model::Pwl>(&function);
   if (pwl == nullptr) return std::nullopt;
   std::vector<double> values;
@@ -57,18 +67,19 @@ MaybeTaken taken_by(const model::SourceFunction& function) {
     values.push_back(pwl->points[k].value);
     has_edges |= k > 0 && pwl->points[k].time > pwl->points[k - 1].time && values[k] != values[k - 1];
   }
-  return taken(std::move(values), has_edges);
+  return taken(std::move(values), edges_of(has_edges, has_short_edges(*pwl, stop)));
 }
 
 class NodeLevels {
  public:
-  explicit NodeLevels(const FlatCircuit& circuit) {
+  explicit NodeLevels(const FlatCircuit& circuit)
+      : stop_(circuit.analyses.transient ? circuit.analyses.transient->stop.seconds : model::forever) {
     for (const Instance& instance : circuit.instances) {
       if (!is_voltage(instance)) continue;
       holders_.emplace(instance.nodes[0], &instance);
       holders_.emplace(instance.nodes[1], &instance);
     }
-    for (const GateOutput& output : circuit.gate_outputs) gates_.emplace(output.node, taken({output.low, output.high}, false));
+    for (const GateOutput& output : circuit.gate_outputs) gates_.emplace(output.node, taken({output.low, output.high}, Edges::none));
   }
 
   /// Empty: it takes other values, or that is not known.
@@ -117,10 +128,10 @@ class NodeLevels {
   }
 
   MaybeTaken across(const Instance& instance) {
-    if (instance.waveform) return taken_by(*instance.waveform);
+    if (instance.waveform) return taken_by(*instance.waveform, stop_);
     if (instance.formula) return of_formula(instance, *instance.formula);
     if (instance.coefficients.size() != instance.control_nodes.size() + 1) return std::nullopt;
-    MaybeTaken sum = Taken{{instance.coefficients[0]}, false};
+    MaybeTaken sum = Taken{{instance.coefficients[0]}};
     for (std::size_t k = 0; sum && k < instance.control_nodes.size(); ++k) {
       const MaybeTaken control = of(instance.control_nodes[k]);
       sum = control ? sum_of(*sum, *control, instance.coefficients[k + 1]) : std::nullopt;
@@ -144,14 +155,16 @@ class NodeLevels {
       if (!value) return std::nullopt;
       values.push_back(*value);
     }
-    return taken(std::move(values), std::any_of(atoms.begin(), atoms.end(), [&](std::size_t k) { return parts[k]->has_edges; }));
+    Edges edges = Edges::none;
+    for (const std::size_t k : atoms) edges = std::max(edges, parts[k]->edges);
+    return taken(std::move(values), edges);
   }
 
   /// What a part takes whatever the others do; of a choice, its condition.
   MaybeTaken alone(const Instance& instance, const FormulaPart& part) {
-    if (part.kind == PartKind::step || part.kind == PartKind::choice) return Taken{{0.0, 1.0}, false};
+    if (part.kind == PartKind::step || part.kind == PartKind::choice) return Taken{{0.0, 1.0}};
     if (part.kind == PartKind::voltage) return of(instance.control_nodes[static_cast<std::size_t>(part.index)]);
-    if (part.kind == PartKind::time) return taken_by(part.function);
+    if (part.kind == PartKind::time) return taken_by(part.function, stop_);
     return std::nullopt;
   }
 
@@ -184,6 +197,7 @@ class NodeLevels {
   std::multimap<NodeIndex, const Instance*> holders_;
   std::map<NodeIndex, MaybeTaken> gates_;
   std::vector<const Instance*> used_;
+  double stop_ = model::forever;  ///< of the run
   int depth_ = 0;
 };
 
@@ -250,25 +264,44 @@ class Products {
     }
     const auto& open = instance.formula->open_products;
     const auto found = std::find_if(open.begin(), open.end(), [&](const auto& product) { return product.first == failed; });
-    refusals_.push_back(
-        {source, found != open.end() ? found->second : instance.span,
-         found != open.end() ? refusal(instance.formula->parts[static_cast<std::size_t>(failed)]) : std::string(refused_derivative)});
+    refusals_.push_back({source, found != open.end() ? found->second : instance.span,
+                         found != open.end()
+                             ? refusal(instance.formula->parts[static_cast<std::size_t>(failed)]) + slow_edges(instance, failed)
+                             : std::string(refused_derivative)});
+  }
+
+  /// Why a voltage between two levels is no factor: "" if the part reads none.
+  std::string slow_edges(const Instance& instance, int part) {
+    for (const AffineSum* sum :
+         {&instance.formula->parts[static_cast<std::size_t>(part)].above, &instance.formula->parts[static_cast<std::size_t>(part)].below})
+      for (const auto& term : sum->terms) {
+        const FormulaPart& factor = instance.formula->parts[static_cast<std::size_t>(term.first)];
+        if (factor.kind != PartKind::voltage) continue;
+        const elements::NodePair& pair = instance.control_nodes[static_cast<std::size_t>(factor.index)];
+        const MaybeTaken found = levels_.of(pair);
+        if (found && found->values.size() == 2 && found->edges == Edges::long_ones)
+          return fmt::format("; V({}) is none: its edges between {} and {} are long, a ramp or a triangle", node_name(pair),
+                             found->values[0], found->values[1]);
+      }
+    return "";
   }
 
   std::optional<elements::Levels> of(const Instance& instance, int pair) {
     const MaybeTaken found = levels_.of(instance.control_nodes[static_cast<std::size_t>(pair)]);
-    if (!found) return std::nullopt;
+    if (!found || (found->values.size() == 2 && found->edges == Edges::long_ones)) return std::nullopt;
     const elements::Levels levels{found->values.front(), found->values.back()};
-    if (found->has_edges) note_edges(instance, pair, levels);
+    if (found->edges != Edges::none) note_edges(instance, pair, levels);
     return levels;
   }
 
+  const std::string& node_name(const elements::NodePair& pair) { return circuit_.nodes()[static_cast<std::size_t>(pair.p)].name; }
+
   void note_edges(const Instance& instance, int pair, const elements::Levels& levels) {
-    const std::string& node = circuit_.nodes()[static_cast<std::size_t>(instance.control_nodes[static_cast<std::size_t>(pair)].p)].name;
     if (!reporter_.first_time(fmt::format("edges:{}:{}", instance.name, pair))) return;
     reporter_.note("N-switched-product", instance.span,
                    fmt::format("{}: as a factor V({}) counts as {} above {} and as {} below: its edges take no time there", instance.name,
-                               node, levels.high, 0.5 * (levels.low + levels.high), levels.low));
+                               node_name(instance.control_nodes[static_cast<std::size_t>(pair)]), levels.high,
+                               0.5 * (levels.low + levels.high), levels.low));
   }
 
   FlatCircuit& circuit_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <memory>
 
 #include <fmt/format.h>
@@ -42,6 +43,7 @@ class RawSystemReader {
       if (block.keyword != "w") read_numbers(block);
     if (failed_) return nullptr;
     take_sizes();
+    require_matrices();
     place("A", states_, states_, raw_.a);
     place("B", states_, ports_, raw_.b);
     place("C", ports_, states_, raw_.c);
@@ -111,6 +113,20 @@ class RawSystemReader {
     if (const KeywordBlock* b = find("B"); ports_ == 0 && b != nullptr && !b->rows.empty()) ports_ = b->rows[0].size();
     inputs_ = count("w");
     if (states_ + ports_ == 0) fail(card_.span, fmt::format("{} has neither states nor ports", card_.items[0].text));
+  }
+
+  /// D, E, F and x0 may be left out; A where there are no states, B and C where there are no ports or no states.
+  void require_matrices() {
+    const auto require = [&](std::string_view keyword, std::initializer_list<std::string_view> readers) {
+      if (find(keyword) != nullptr) return;
+      for (const std::string_view reader : readers)
+        if (const KeywordBlock* block = find(reader); block != nullptr && !block->lines.empty())
+          return fail(block->span, fmt::format("{} is missing, which {} needs; only D, E, F and x0 are zero if left out", keyword, reader));
+    };
+    require("A", {"B", "C", "E", "x0"});
+    if (states_ == 0) return;
+    require("B", {"C", "D", "F"});
+    require("C", {"B", "D", "F"});
   }
 
   /// The matrix behind `keyword`, or none: zero.

@@ -137,7 +137,6 @@ std::optional<Number> Scope::number(const netlist::Item& item, bool infinity_all
   if (item.kind == ItemKind::word) {
     const netlist::NumberText text = netlist::read_number(item.text);
     if (text.valid) {
-      number.bare_femto = text.bare_femto;
       number.decimal = text.infinite ? "" : text.decimal_digits;
     }
   }
@@ -156,6 +155,37 @@ std::optional<Number> Scope::number(const netlist::Item& item, bool infinity_all
   --session_.numbers;
   if (!number.gradient.empty()) session_.written.push_back({item.span, number.value, number.gradient});
   return number;
+}
+
+std::optional<SourceSpan> Scope::bare_femto(const netlist::Item& item, int depth) {
+  if (item.expression) return bare_femto(*item.expression, depth);
+  if (item.kind == ItemKind::word) return netlist::read_number(item.text).bare_femto ? std::optional(item.span) : std::nullopt;
+  return item.kind == ItemKind::group && item.items.size() == 1 ? bare_femto(item.items[0], depth) : std::nullopt;
+}
+
+std::optional<SourceSpan> Scope::bare_femto(const netlist::Expression& expression, int depth) {
+  using Kind = netlist::Expression::Kind;
+  if (expression.kind == Kind::number)
+    return netlist::read_number(expression.text).bare_femto ? std::optional(expression.span) : std::nullopt;
+  if (expression.kind == Kind::name) {
+    const auto [home, entry] = find(expression.text);
+    if (entry == nullptr || depth > Session::deepest) return std::nullopt;
+    if (!entry->has_looked_for_femto) {
+      entry->has_looked_for_femto = true;  // before it is followed: parameters may be defined in a circle
+      if (!entry->is_given && entry->text.value != nullptr) entry->femto = home->bare_femto(*entry->text.value, depth + 1);
+    }
+    return entry->femto;
+  }
+  for (const netlist::Expression& argument : expression.arguments)
+    if (const std::optional<SourceSpan> found = bare_femto(argument, depth)) return found;
+  return std::nullopt;
+}
+
+void Scope::set_bare_femto(std::string_view name, std::optional<SourceSpan> where) {
+  const auto found = entries_.find(without_case(name));
+  if (found == entries_.end()) return;
+  found->second.has_looked_for_femto = true;
+  found->second.femto = where;
 }
 
 std::vector<double> Scope::gradient_of(std::string_view name) {

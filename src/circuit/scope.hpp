@@ -56,7 +56,6 @@ struct Session {
 /// A number on a card.
 struct Number {
   double value = 0.0;
-  bool bare_femto = false;         ///< "10F": femto, with a warning for a capacitance
   std::string decimal;             ///< plain decimal text if the card has a plain number, else ""
   std::vector<double> gradient{};  ///< to Session::varied; empty if it does not depend on them
 };
@@ -81,6 +80,11 @@ class Scope {
 
   /// The number of an item; infinite only if `inf` was written and `infinity_allowed`.
   [[nodiscard]] std::optional<Number> number(const netlist::Item& item, bool infinity_allowed = false);
+
+  /// The number with a bare F that the item is, or that stands in its expression or in a parameter it reads: "10F", which is femto.
+  [[nodiscard]] std::optional<SourceSpan> bare_femto(const netlist::Item& item, int depth = 0);
+  /// The same of a value that has been given from outside.
+  void set_bare_femto(std::string_view name, std::optional<SourceSpan> where);
 
   /// The derivatives of the parameter of that name to Session::varied; empty if there is none, or if it does not depend on them.
   [[nodiscard]] std::vector<double> gradient_of(std::string_view name);
@@ -113,11 +117,14 @@ class Scope {
     bool is_given = false;  ///< by a call or a sweep: its text is not used
     bool has_gradient = false;
     std::vector<double> gradient{};  ///< to Session::varied
+    bool has_looked_for_femto = false;
+    std::optional<SourceSpan> femto{};  ///< a number with a bare F in its text
   };
 
   /// Null if neither this scope nor an outer one has it.
   [[nodiscard]] std::pair<Scope*, Entry*> find(std::string_view name);
   [[nodiscard]] std::optional<double> parameter(Entry& entry, int depth);
+  [[nodiscard]] std::optional<SourceSpan> bare_femto(const netlist::Expression& expression, int depth);
   void report_depth(const Entry& entry);
   void report_circle(const Entry& entry);
   void report_no_number(const netlist::Item& item);

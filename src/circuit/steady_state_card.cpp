@@ -7,6 +7,7 @@
 #include "circuit/card_items.hpp"
 #include "circuit/commands.hpp"
 #include "circuit/measured_expression.hpp"
+#include "netlist/number.hpp"
 
 namespace pwlsim::circuit {
 namespace {
@@ -19,6 +20,8 @@ using Trigger = SteadyStateAnalysis::Trigger;
 constexpr std::string_view pss_usage =
     ".pss [period=T | freq=f] [k=N] [on=S1 | off=S1 | when v(a)=b [rise|fall]] [tstab=t] [points=N] [maxiter=N] [maxperiods=N] [tol=x] "
     "[uic]";
+constexpr std::string_view when_usage =
+    "after WHEN stands v(n), v(n,m) or i(X) = a number, or v(n) = v(m); for an expression try B1 x 0 V={...} and when v(x)=0";
 constexpr double largest_count = 1e9;
 
 /// .pss as pwlsim and as ngspice have it, and .pop.
@@ -45,7 +48,7 @@ class SteadyStateReader {
       else
         take_positional(item);
     }
-    if (is_when_ && state_.trigger != Trigger::crosses) fail("E-missing-value", card_.span, "WHEN names no signal and level");
+    if (ok_ && is_when_ && state_.trigger != Trigger::crosses) fail("E-missing-value", card_.span, "WHEN names no signal and level");
     return ok_ ? std::optional(state_) : std::nullopt;
   }
 
@@ -114,6 +117,8 @@ class SteadyStateReader {
       state_.periods_before = count(item, item.text, "E-range");
     } else if (is("tol")) {
       state_.tolerance = positive(item, "tol");
+    } else if (is_when_ && netlist::read_number(item.text).valid) {
+      fail("E-unexpected", item.span, when_usage);
     } else if (!is("td_run_after_pop_fails")) {
       fail("E-unexpected", item.span,
            fmt::format("unknown parameter '{}'{}", item.text,
@@ -130,6 +135,7 @@ class SteadyStateReader {
 
   void take_crossing(const Item& item) {
     if (!is_when_) return fail("E-unexpected", item.span, fmt::format("unexpected '{}'", reporter_.text(item.span)));
+    if (!same_name(item.items[1].text, "v") && !same_name(item.items[1].text, "i")) return fail("E-unexpected", item.span, when_usage);
     std::optional<SaveRequest> signal = save_request(item.items[1], reporter_);
     ok_ &= signal.has_value() && signal->kind != SaveRequest::Kind::all;
     if (!ok_) return;
@@ -175,6 +181,7 @@ class SteadyStateReader {
 
   /// ngspice: gfreq tstab oscnode psspoints harms [sciter steadycoeff]
   void take_positional(const Item& item) {
+    if (is_when_) return fail("E-unexpected", item.span, when_usage);
     const int place = positional_++;
     if (place == 2) return take_node(item);
     if (place > 6) return fail("E-unexpected", item.span, fmt::format("unexpected '{}'", reporter_.text(item.span)));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/names.hpp"
+#include "netlist/number.hpp"
 
 namespace pwlsim::circuit {
 
@@ -10,9 +11,17 @@ using elements::Parameter;
 using elements::Use;
 using netlist::Item;
 
-void warn_of_femto(const Item& item, const Number& number, std::string_view unit, Reporter& reporter) {
-  if (!number.bare_femto || unit != "F") return;
-  reporter.warning("W-femto", item.span, fmt::format("{} is {} farad: a bare F is femto; leave it out for farad", item.text, number.value));
+void ValueReader::warn_of_femto(const Item& value, const Parameter& parameter) {
+  // The factor of a capacitor's model is its value where the card has none.
+  const bool is_capacitance = parameter.unit == "F" || (parameter.unit.empty() && parameter.name == "C");
+  const std::optional<SourceSpan> where = is_capacitance ? scope_.bare_femto(value) : std::nullopt;
+  if (!where) return;
+  // A number in a parameter may make many capacitances.
+  const bool is_elsewhere = where->begin < value.span.begin || where->end > value.span.end || where->file != value.span.file;
+  if (is_elsewhere && !reporter_.first_time(fmt::format("femto:{}:{}", where->file, where->begin))) return;
+  const std::string_view text = reporter_.text(*where);
+  reporter_.warning("W-femto", *where,
+                    fmt::format("{} is {} farad: a bare F is femto; leave it out for farad", text, netlist::read_number(text).value));
 }
 
 void ValueReader::assignment(const Item& item, elements::Values& values, std::vector<std::string>* ignored) {
@@ -54,7 +63,7 @@ void ValueReader::store_list(const Item& values, const Parameter& parameter, ele
 std::optional<double> ValueReader::checked(const Item& value, const Parameter& parameter) {
   const std::optional<Number> number = scope_.number(value, parameter.infinity_allowed);
   if (!number) return std::nullopt;
-  warn_of_femto(value, *number, parameter.unit, reporter_);
+  warn_of_femto(value, parameter);
   if (!elements::in_range(parameter, number->value)) {
     reporter_.error("E-range", value.span,
                     fmt::format("{} of {} {}, not {}", parameter.name, owner_, elements::range_words(parameter.range), number->value));

@@ -27,6 +27,8 @@ class ValueReader {
   void refuse(const netlist::Item& item, const elements::Parameter& parameter);
   void store_list(const netlist::Item& values, const elements::Parameter& parameter, elements::Values& result);
   [[nodiscard]] std::optional<double> checked(const netlist::Item& value, const elements::Parameter& parameter);
+  /// "1F" as a capacitance is a femtofarad.
+  void warn_of_femto(const netlist::Item& value, const elements::Parameter& parameter);
   void store(const netlist::Item& value, const elements::Parameter& parameter, elements::Values& values);
 
   Scope& scope_;
@@ -34,8 +36,5 @@ class ValueReader {
   std::string_view owner_;
   bool ignores_unknown_ = false;
 };
-
-/// Warns that "1F" as a capacitance is a femtofarad.
-void warn_of_femto(const netlist::Item& item, const Number& number, std::string_view unit, Reporter& reporter);
 
 }  // namespace pwlsim::circuit

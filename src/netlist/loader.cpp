@@ -191,9 +191,7 @@ bool Loader::read_dot_card(const File& file, LineReader& reader, const LogicalLi
   } else if (same_name(name, ".endc")) {
     context.report("E-syntax-control", name, "'.endc' without '.control'");
   } else {
-    const std::size_t before = deck_.cards.size();
-    add_card(line);
-    if (same_name(name, ".lcs") && deck_.cards.size() > before) read_rows(file, deck_.cards.back());
+    same_name(name, ".lcs") ? add_raw_system(file, context, name) : add_card(line);
   }
   return true;
 }
@@ -210,6 +208,33 @@ void Loader::add_card(const LogicalLine& line) {
     }
     deck_.cards.push_back(std::move(card));
   }
+}
+
+/// The file's name stands in either kind of quotes, as on `.include`.
+void Loader::add_raw_system(const File& from, const ParseContext& context, std::string_view name) {
+  const LogicalLine& line = context.line;
+  std::optional<std::vector<FileArgument>> arguments;
+  if (line.text().find('\'') != std::string_view::npos) {
+    arguments = file_arguments(context, name);
+    if (!arguments) return;
+  }
+  const std::size_t before = deck_.cards.size();
+  if (arguments && arguments->size() == 2 && !arguments->front().quoted && arguments->back().quoted) {
+    Card& card = deck_.cards.emplace_back();
+    card.name = name;
+    card.name_span = line.span(name);
+    card.span = line.span(line.text());
+    for (const FileArgument& argument : *arguments) {
+      Item& item = card.items.emplace_back();
+      item.kind = argument.quoted ? Item::Kind::string : Item::Kind::word;
+      item.text = argument.text;
+      item.span = line.span(argument.whole);
+      item.text_span = line.span(argument.text);
+    }
+  } else {
+    add_card(line);
+  }
+  if (deck_.cards.size() > before) read_rows(from, deck_.cards.back());
 }
 
 /// The file of a `.lcs` card: numbers and sources line by line, `#` begins a comment.

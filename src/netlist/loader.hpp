@@ -60,6 +60,7 @@ class Loader {
   std::size_t take_title(const File& file);
   void read_cards(const File& file, std::size_t begin, SectionFilter& filter);
   bool read_dot_card(const File& file, LineReader& reader, const LogicalLine& line, std::string_view name, SectionFilter& filter);
+  void add_raw_system(const File& from, const ParseContext& context, std::string_view name);
   void add_card(const LogicalLine& line);
   void read_rows(const File& from, Card& card);
   void take_limits(const Card& options);

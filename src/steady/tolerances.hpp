@@ -173,5 +173,11 @@ inline constexpr double brief_stretch = 1e-3;
 /// Of: the norm of I − e^{−jωT}Φ, or one.
 /// Why: four digits are left: the response is infinite.
 inline constexpr double singular_response = 1e-12;
+/// Of: the largest singular value of I − e^{−jωT}Φ, or one.
+/// Why: above what rounding of Φ leaves of a zero, and below what another multiplier leaves.
+inline constexpr double resonant_direction = 1e-11;
+/// Of: what the input adds to the states in a period, at this frequency or a quarter of a turn beside it.
+/// Why: rounding of a sum over the period.
+inline constexpr double unexcited_direction = 1e-11;
 
 }  // namespace pwlsim::steady::tolerance

@@ -264,6 +264,45 @@ void Transfer::run(Pass& pass) {
   for (const LinearSegment& s : orbit_.tail()) segment(s, pass);
 }
 
+/// With C(ω) = 1 − e^{−jωT}Φ, C(ω₀)v = 0 and u*C(ω₀) = 0, the start r of C r = g has a limit for ω → ω₀ if u*g(ω₀) = 0: r = C⁺g + V z, and the
+/// derivative of the equation, with u*C′ = jT u*, gives z: jT u*(C⁺g + V z) = u*g′. g is an entire function of ω, so that differences give g′.
+std::optional<ComplexVector> Transfer::start_in_resonance(const Pass& pass, const ComplexMatrix& closing) {
+  if (!pass.moved.shifts.empty() || pass.moved.amplitude) return std::nullopt;  // they depend on ω, too
+  const double period = orbit_.period();
+  const Eigen::JacobiSVD<ComplexMatrix> svd(closing, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const auto& values = svd.singularValues();
+  const double least = tolerance::resonant_direction * std::max(1.0, values[0]);
+  const Eigen::Index free = (values.array() <= least).count(), rank = values.size() - free;
+  if (free == 0) return std::nullopt;
+  const ComplexMatrix u = svd.matrixU().rightCols(free), v = svd.matrixV().rightCols(free);
+  const auto excited = [&](double turns) {
+    Pass other{pass.omega + 2.0 * std::numbers::pi * turns / period,
+               0.0,
+               pass.amplitudes,
+               pass.moved,
+               ComplexVector::Zero(closing.rows()),
+               {},
+               false,
+               std::nullopt,
+               {},
+               {},
+               {}};
+    run(other);
+    return ComplexVector(u.adjoint() * other.r);
+  };
+  double size = pass.r.norm();
+  for (const double turns : {0.25, 0.5, 0.75}) size = std::max(size, excited(turns).norm());
+  if (!((u.adjoint() * pass.r).norm() <= tolerance::unexcited_direction * size)) return std::nullopt;
+  constexpr double near = 1e-3;  // of a turn: what the differences leave out is of the order of (2π·near)⁴
+  const ComplexVector slope = (8.0 * (excited(near) - excited(-near)) - (excited(2.0 * near) - excited(-2.0 * near))) *
+                              (period / (12.0 * near * 2.0 * std::numbers::pi));
+  const ComplexVector least_norm =
+      svd.matrixV().leftCols(rank) * (svd.matrixU().leftCols(rank).adjoint() * pass.r).cwiseQuotient(values.head(rank).cast<Complex>());
+  const Eigen::FullPivLU<ComplexMatrix> along(u.adjoint() * v);
+  if (!(along.rcond() > tolerance::resonant_direction)) return std::nullopt;  // it grows with the square of the time
+  return least_norm + v * along.solve(ComplexVector(slope / (j * period) - u.adjoint() * least_norm));
+}
+
 Transfer::Response Transfer::at(double frequency, int harmonic, const std::vector<Complex>& amplitudes, const TimeShifts& shifts,
                                 std::optional<double> sample) {
   const Eigen::Index n = orbit_.stacking().size();
@@ -280,10 +319,17 @@ Transfer::Response Transfer::at(double frequency, int harmonic, const std::vecto
   const double norm = n > 0 ? closing.cwiseAbs().colwise().sum().maxCoeff() : 1.0;
   response.is_singular = n > 0 && !(lu.rcond() * norm > tolerance::singular_response * std::max(1.0, norm));
   if (response.is_singular) {
-    response.signals.setConstant(std::numeric_limits<double>::quiet_NaN());
-    return response;
+    const std::optional<ComplexVector> start = start_in_resonance(pass, closing);
+    if (!start) {
+      constexpr double none = std::numeric_limits<double>::quiet_NaN();
+      response.signals.setConstant(Complex(none, none));
+      return response;
+    }
+    response.is_singular = false;
+    pass.r = *start;
+  } else {
+    pass.r = n > 0 ? ComplexVector(lu.solve(pass.r)) : pass.r;
   }
-  pass.r = n > 0 ? ComplexVector(lu.solve(pass.r)) : pass.r;
   pass.collects = true;
   pass.sums = response.signals;
   pass.sample = sample;

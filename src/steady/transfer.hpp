@@ -50,6 +50,8 @@ class Transfer {
                                          const Pass& pass);
   void run(Pass& pass);
   void segment(const LinearSegment& s, Pass& pass);
+  /// The start of the deviation where e^{jωT} is a multiplier; none if the input excites its direction. `pass` has run from zero.
+  [[nodiscard]] std::optional<ComplexVector> start_in_resonance(const Pass& pass, const ComplexMatrix& closing);
   [[nodiscard]] Complex guard_shift(const LinearGuard& guard, const Pass& pass) const;
   void instant(const LinearInstant& at, const Complex& shift, Pass& pass);
   const Matrix& propagator(const model::Mode& mode, double length);

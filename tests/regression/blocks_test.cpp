@@ -205,7 +205,23 @@ TEST_CASE("sizes of a raw system that do not fit are named with their line", "[u
   CHECK(refused("1 2\n").find(":1:1: error[E-lcs]: rows must follow a keyword") != std::string::npos);
   CHECK(refused("A\n1\nA\n1\n").find(":3:1: error[E-lcs]: a second A") != std::string::npos);
   CHECK(refused("A\n0\nx0\n1e400\n").find(":4:1: error[E-lcs]: '1e400' is too large") != std::string::npos);
+  CHECK(refused("A\n-1\nB\n1\nD\n1\nx0\n2\n").find("test.lcs:3:1: error[E-lcs]: C is missing, which B needs") != std::string::npos);
+  CHECK(refused("A\n-1\nC\n1\nD\n1\n").find("test.lcs:3:1: error[E-lcs]: B is missing, which C needs") != std::string::npos);
+  CHECK(refused("A\n-1\nD\n1\n").find("test.lcs:3:1: error[E-lcs]: B is missing, which D needs") != std::string::npos);
+  CHECK(refused("B\n1\nC\n1\n").find("test.lcs:1:1: error[E-lcs]: A is missing, which B needs") != std::string::npos);
   CHECK(refused("x0\n").find("neither states nor ports") != std::string::npos);
+}
+
+TEST_CASE("the name of a raw system's file stands in either kind of quotes", "[unit]") {
+  const Scratch scratch;
+  const std::string file = scratch.write("a b.lcs", "A\n-1\nx0\n1\n");
+  for (const char quote : {'"', '\''}) {
+    const DeckRun run = run_text("t\n.lcs s " + (quote + file + quote) + "\n.tran 0.5 1\n");
+    INFO(run.messages);
+    REQUIRE(run.rows.size() == 3);
+    CHECK(run.rows[2][1] == Approx(std::exp(-1.0)).margin(block_bound));
+  }
+  CHECK(run_text("t\n.lcs s '" + file + "\n.tran 0.5 1\n").messages.find("error[E-syntax-unclosed]") != std::string::npos);
 }
 
 // A source that rests on a threshold is in no loop: sgn(0) = 0, u(0) = 0, and a > b is false, a >= b true where they are equal.

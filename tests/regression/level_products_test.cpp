@@ -44,11 +44,23 @@ const LevelCase level_cases[] = {
     {"V(three)*V(s)", nullptr},
     {"I(V1)*V(s)", nullptr},
     {"V(held)*V(s)", nullptr},
+    {"V(ramp)*V(s)", nullptr},      // a slow start
+    {"V(triangle)*V(s)", nullptr},  // no level between its edges
+    {"V(saw)*V(p)", [](double t) { return high(t, 0.0) ? 5.0 * std::fmod(t, 10e-6) / 10e-6 : 0.0; }},
+    {"V(saw)*V(s)", nullptr},
+    {"V(slow)*V(s)", nullptr},  // edges of a fifth of the period
+    {"V(ramp)^2", nullptr},
+    {"V(p)/V(lifted)", nullptr},
+    {"V(wide)*V(vcc)", [](double t) { return 12.0 * std::min(t / 20e-6, 1.0); }},
+    {"V(step)*V(s)", [](double t) { return t > 20.05e-6 ? sine(t) : 0.0; }},  // an edge of 100 ns
 };
 
 constexpr const char* level_frame =
     "two levels\nV1 p 0 PULSE(0 5 0 0 0 5u 10u)\nV2 q 0 PULSE(0 2 2u 0 0 5u 10u)\nV3 r 0 PULSE(-1 4 2u 1n 1n 5u 10u)\n"
     "V4 s 0 SIN(0 3 20k)\nV5 vcc 0 12\nV6 t vcc PULSE(0 5 0 0 0 5u 10u)\nV7 three 0 PWL(0 0 1u 0 1u 1 2u 1 2u 2)\n"
+    "V8 ramp 0 PWL(0 0 20u 1)\nV9 triangle 0 PULSE(0 1 0 5u 5u 0 10u)\nV10 saw 0 PULSE(0 1 0 10u 0 0 10u)\nV11 slow 0 PULSE(0 1 0 1u 1u 4u "
+    "10u)\n"
+    "V12 lifted 0 PWL(0 1 20u 3)\nV13 wide 0 PWL(0 0 20u 1)\nV14 step 0 PWL(20u 0 20.1u 1)\n"
     "Bc c 0 V=if(V(s)>1,5,0)\nBb both 0 V=2*((V(p)>1)|(V(q)>1))\nE1 e 0 value={1-2*V(p)}\n"
     "R1 p filtered 1k\nC1 filtered 0 1n\nA1 p q 0 0 0 0 g 0 AND Vhigh=3\nA2 p 0 0 0 0 n 0 0 BUF\nA3 s 0 p 0 0 0 held 0 SAMPLEHOLD\nB1 o 0 "
     "V=";
