@@ -177,12 +177,9 @@ std::vector<double> sign_changes(const LegendreSeries& f, double noise) {
   return std::move(search.zeros);
 }
 
-std::vector<double> stationary_points(const LegendreSeries& f) {
-  return sign_changes(f.derivative(), derivative_rounding * (std::abs(f.mean()) + f.variation()));
-}
-
 Extremes extremes(const LegendreSeries& f) {
-  std::vector<double> candidates = stationary_points(f);
+  // Stationary points, beyond the rounding of the derivative.
+  std::vector<double> candidates = sign_changes(f.derivative(), derivative_rounding * (std::abs(f.mean()) + f.variation()));
   candidates.push_back(1.0);
   Extremes result{f(-1.0), -1.0, f(-1.0), -1.0};
   for (const double x : candidates) {

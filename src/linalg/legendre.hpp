@@ -49,9 +49,6 @@ class LegendreSeries {
 /// of points, with only rounding between them.
 [[nodiscard]] std::vector<double> sign_changes(const LegendreSeries& f, double noise);
 
-/// Points of [−1, 1] at which f has an extreme, ascending, beyond the rounding of its derivative.
-[[nodiscard]] std::vector<double> stationary_points(const LegendreSeries& f);
-
 /// The least and the largest value on [−1, 1] and where they are.
 struct Extremes {
   double least = 0.0, least_at = 0.0, largest = 0.0, largest_at = 0.0;

@@ -196,8 +196,7 @@ void Meter::read_at(PieceView& view, double time) {
     const double end = view.piece().begin + view.piece().length;
     const bool resolved = view.resolve(expression_, results_, view.piece().begin, end, scale_, [&](const PolynomialPart& part) {
       if (time < part.from || (time >= part.to && part.to < end)) return;
-      const double x = 2.0 * (time - part.from) / part.length() - 1.0;
-      value_ = part.series.derivative()(std::clamp(x, -1.0, 1.0)) * 2.0 / part.length();
+      value_ = part.series.derivative()(std::clamp(part.place(time), -1.0, 1.0)) * 2.0 / part.length();
     });
     if (!resolved) fail(too_fast(view.piece().begin, end));
   }

@@ -300,7 +300,7 @@ std::vector<double> PieceView::cuts_of(const Program& program, const std::vector
 
 double PieceView::refined_zero(const Program& program, const std::vector<double>& results, const PolynomialPart& part, double time,
                                double rounding) {
-  const double x = 2.0 * (time - part.from) / part.length() - 1.0;
+  const double x = part.place(time);
   if (!(x > -1.0 && x < 1.0)) return time;
   const auto value_at = [&](double at) { return value(program, results, at); };
   return zero_time(part.series, x, rounding, part.from, part.to, value_at, time);
@@ -368,7 +368,7 @@ double PieceView::error_of(const Program& program, const std::vector<double>& re
   const double margin = std::max(inside * part.length(), instant_at(part.from, part.to));
   const double tolerance = resolution * scale;
   const auto off = [&](double time, std::size_t nearest) {
-    const double difference = std::abs(part.series(2.0 * (time - part.from) / part.length() - 1.0) - value(program, results, time));
+    const double difference = std::abs(part.series(part.place(time)) - value(program, results, time));
     return difference > tolerance && touches(program, results, part, time, nearest) ? 0.0 : difference;
   };
   const double ends = std::max(off(part.from + margin, 0), off(part.to - margin, points - 1));

@@ -19,6 +19,8 @@ struct PolynomialPart {
 
   [[nodiscard]] double length() const { return to - from; }
   [[nodiscard]] double time(double x) const { return from + 0.5 * (x + 1.0) * (to - from); }
+  /// The x of a time.
+  [[nodiscard]] double place(double time) const { return 2.0 * (time - from) / length() - 1.0; }
 };
 
 class PieceView {

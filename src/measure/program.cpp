@@ -60,7 +60,7 @@ bool is_affine(const std::vector<circuit::MeasuredExpression::Step>& steps, cons
         break;
       case StepKind::function:
       case StepKind::choose: {
-        const std::size_t count = step.kind == StepKind::choose ? 3 : static_cast<std::size_t>(step.index);
+        const std::size_t count = operands_of(step);
         if (std::find(reads.end() - static_cast<std::ptrdiff_t>(count), reads.end(), true) != reads.end()) return false;
         reads.resize(reads.size() - count);
         reads.push_back(false);
