@@ -352,7 +352,7 @@ std::vector<double> ExactSegment::euler_end(double h) const {
   return z;
 }
 
-ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start, bool is_again) {
+ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start, int again) {
   is_rejected_ = false;
   start_ = start.time;
   on_ = start.on;
@@ -379,12 +379,12 @@ ExactSegment::Opened ExactSegment::open(Factors& factors, const Origin& start, b
   located_ = false;
   watch_guards(start.on);
   vectors_ += static_cast<std::uint64_t>(space_.dimension());
-  if (!is_again && ends_with_decay()) return open(factors, start, true);
+  if (again < (hides_sign_ ? 2 : 1) && ends_with_decay()) return open(factors, start, again + 1);
   judge_start();
   note_later_rounding();
-  if (is_again || !is_undecided_by_habit(start.longest)) return Opened::yes;
+  if (again > 0 || !is_undecided_by_habit(start.longest)) return Opened::yes;
   habits_[key_].length = 0.0;
-  return open(factors, start, true);
+  return open(factors, start, again + 1);
 }
 
 /// With as many vectors as a decay asks for that a guard behind a leak reads.

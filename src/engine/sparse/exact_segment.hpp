@@ -66,7 +66,7 @@ class ExactSegment {
   };
   /// contradicted: the position is none of the network. unresolved: not even the shortest segment meets the tolerance.
   enum class Opened { yes, singular, contradicted, unresolved };
-  [[nodiscard]] Opened open(Factors& factors, const Origin& start) { return open(factors, start, false); }
+  [[nodiscard]] Opened open(Factors& factors, const Origin& start) { return open(factors, start, 0); }
 
   /// An implicit Euler step over a jump, h, s: z := its end, sources included. 0: it has no digits. As S = (1 − h A)⁻¹ P, a segment that begins with z and is taken
   /// back by that step, to (1 − h A) z, begins with what the jump P leads to, whatever h: impulses may be as small as a long step makes them. False: h is too long for
@@ -229,6 +229,8 @@ class ExactSegment {
   void look(Segment& segment, double reach, Located& located);
   [[nodiscard]] bool look_without_decays(double reach, Located& located);
   [[nodiscard]] std::optional<linalg::WideFastPart> decays_over(double reach) const;
+  [[nodiscard]] bool begins_within_rounding(int row) const;
+  [[nodiscard]] double last_zero(int row, double tau);
   void stretch(double longest);
   [[nodiscard]] bool reaches(double longer);
   [[nodiscard]] bool has_digits();
@@ -241,7 +243,7 @@ class ExactSegment {
   [[nodiscard]] int most_vectors_now();
   void note_digits(int vectors, bool has_all);
   void note_all_decays();
-  [[nodiscard]] Opened open(Factors& factors, const Origin& start, bool is_again);
+  [[nodiscard]] Opened open(Factors& factors, const Origin& start, int again);
   [[nodiscard]] bool ends_with_decay();
   void watch_guards(const Position& on);
   void take_guards(const Position& on);
@@ -301,6 +303,7 @@ class ExactSegment {
   Passage passage_;
   bool located_ = false;
   double hidden_decay_ = 0.0;    ///< rate of a decay that it begins with, 1/s, if its error hides what that does to a guard
+  bool hides_sign_ = false;      ///< such a decay, or its rounding, hides whether the guard is below zero once it is over
   bool outlasts_decay_ = false;  ///< a guard is rounding beside that decay, and none once it is over
   std::vector<int> negative_, free_, idle_;
   /// Guards that begin below zero by rounding and rise; and the one that has just passed zero, where it is below for a small part of the segment: a leak carries what rounding leaves of a current.

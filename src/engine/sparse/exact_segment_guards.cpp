@@ -162,6 +162,7 @@ void ExactSegment::leave_out_decays() {
   const linalg::Vector& y = space_.first();
   const double norm = y.norm();
   hidden_decay_ = 0.0;
+  hides_sign_ = false;
   left_out_.assign(static_cast<std::size_t>(m.guards.rows()), 0.0);
   later_noise_.assign(static_cast<std::size_t>(m.guards.rows()), INFINITY);
   slow_start_.assign(static_cast<std::size_t>(m.guards.rows()), 0.0);
@@ -172,11 +173,12 @@ void ExactSegment::leave_out_decays() {
   const std::optional<linalg::FastPart> part = linalg::fast_part(m.flow.a());
   if (!part) return;
   const linalg::Vector decays = part->coordinates * y;
+  const bool is_seen = length_ > tolerance::unseen_segment * stop_;
   for (const int row : far) {
     const Eigen::RowVectorXd of_decays = m.guards.row(row) * part->fast, slow = m.guards.row(row) - of_decays * part->coordinates;
     const double size = m.guard_norm[row] * norm, rounding = tolerance::left_of_decay * size, slow_value = slow.dot(y);
     const double left = std::max(of_decays.cwiseAbs().dot(decays.cwiseAbs()), rounding);
-    const double of_slow = m.noise * std::max(share_of_norm * slow.norm() * norm, slow.cwiseAbs().dot(y.cwiseAbs())) + rounding;
+    const double own = m.noise * std::max(share_of_norm * slow.norm() * norm, slow.cwiseAbs().dot(y.cwiseAbs())), of_slow = own + rounding;
     const bool is_held_by_decay = slow_value < -of_slow && slow_value + of_decays.dot(decays) > rounding;
     if (left <= m.noise * share_of_norm * size && !is_held_by_decay) {
       m.guards.row(row) = slow;
@@ -186,6 +188,7 @@ void ExactSegment::leave_out_decays() {
     } else {
       const double of_segment = estimate_ * m.guard_norm[row];
       if (of_segment > of_slow) hidden_decay_ = part->slowest;
+      hides_sign_ |= is_seen && rounding + of_segment > own && std::abs(slow_value) <= of_slow + of_segment;
       later_noise_[static_cast<std::size_t>(row)] = (of_slow + of_segment) / (share_of_norm * size);
       slow_start_[static_cast<std::size_t>(row)] = slow_value;
     }
@@ -197,7 +200,8 @@ void ExactSegment::leave_out_decays() {
 bool ExactSegment::ends_with_decay() {
   const double longest = most_of_length_for_decay * length_ / time_constants_of_decay;
   double rate = hidden_decay_;
-  if (outlasts_decay_) rate = std::max(rate, linalg::find_cut(linalg::rates_by_speed(space_.flow().a()), longest, 0.0).fast_rate);
+  if (outlasts_decay_ || hides_sign_)
+    rate = std::max(rate, linalg::find_cut(linalg::rates_by_speed(space_.flow().a()), longest, 0.0).fast_rate);
   if (!(rate * longest > 1.0)) return false;
   habits_[key_].length = time_constants_of_decay / rate;
   return true;
@@ -236,7 +240,7 @@ void ExactSegment::note_later_rounding() {
   }
 }
 
-/// Guards that the noise of a decay leaves without a sign have the noise of the slow motion, too: one that this takes below zero falls, at once or where it passes zero. One that begins below zero and that
+/// Guards that the noise of a decay leaves without a sign, whatever a derivative's is, have the noise of the slow motion, too: one that this takes below zero falls, at once or where it passes zero. One that begins below zero and that
 /// the slow motion takes above keeps the noise of the decay.
 void ExactSegment::judge_hidden() {
   if (relaxation_ > 1.0) return;
@@ -244,7 +248,7 @@ void ExactSegment::judge_hidden() {
     const int row = segment_.rows[i];
     model::Departure& departure = segment_.departures[i];
     const double later = later_noise_[static_cast<std::size_t>(row)];
-    if (departure.order >= 0 || !(later < mode_->guard_noise[row]) || muted_.contains(row)) continue;
+    if (departure.order == 0 || !(later < mode_->guard_noise[row]) || muted_.contains(row)) continue;
     const double before = std::exchange(mode_->guard_noise[row], noise_of_row(row, later));
     const double zero = rounding_of(row, segment_.y0), value = guard(row, segment_.y0), slow = slow_start_[static_cast<std::size_t>(row)];
     if (value > zero)
@@ -366,7 +370,7 @@ void ExactSegment::judge_start() {
     const int row = segment_.rows[i];
     const double value = departure.order == 0 ? departure.value : linalg::row_times(mode_->guards, row, segment_.y0.data());
     const double slope = linalg::row_times(mode_->guards, row, first.data());
-    const double soon = begins_at_zero(row) ? INFINITY : tolerance::just_passed * std::min(length_, expected_);
+    const double soon = std::min(length_, expected_) * (begins_at_zero(row) ? 1.0 : tolerance::just_passed);
     const bool is_soon_positive = value < 0.0 && slope > 0.0 && value + soon * slope >= 0.0;
     if (is_soon_positive && (departure.value > 0.0 || has_just_passed(row))) rising_.push_back(row);
     if (departure.value > 0.0) continue;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "engine/sparse/exact_segment.hpp"
+#include "engine/sparse/tolerances.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -29,7 +30,32 @@ const ExactSegment::Passage& ExactSegment::locate(double end) {
   Located located;
   if (!look_without_decays(reach, located)) look(segment_, reach, located);
   passage_ = {located.found, located.found ? located.tau : reach, located.row};
+  if (located.found && begins_within_rounding(located.row)) passage_.tau = last_zero(located.row, located.tau);
   return passage_;
+}
+
+/// Whether rounding decides the sign of a guard at the start: it is found where it is visibly below zero.
+bool ExactSegment::begins_within_rounding(int row) const {
+  const auto at = std::find(segment_.rows.begin(), segment_.rows.end(), row);
+  if (at == segment_.rows.end() || muted_.contains(row)) return false;
+  return segment_.departures[static_cast<std::size_t>(at - segment_.rows.begin())].order < 0;
+}
+
+/// Before τ, where it is below; τ if it never was above.
+double ExactSegment::last_zero(int row, double tau) {
+  const std::vector<double> y = at(tau);
+  double above = tau, below = tau, step = rounding_of(row, y) / std::abs(guard_rate(row, y));
+  while (!(guard(row, at(above)) > 0.0)) {
+    if (!(above > 0.0) || !(step > 0.0)) return tau;
+    below = above;
+    above = std::max(tau - step, 0.0);
+    step *= 2.0;
+  }
+  while (below - above > tolerance::shortest_piece * tau) {
+    const double middle = 0.5 * (above + below);
+    (guard(row, at(middle)) > 0.0 ? above : below) = middle;
+  }
+  return below;
 }
 
 /// The most of the fastest decays that are over when the segment begins: what they add to a guard is below its rounding.

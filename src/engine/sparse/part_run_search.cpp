@@ -226,7 +226,12 @@ bool PartRun::share_freely() {
     return true;
   }
   if (fits || free.empty()) unshared_.insert(std::move(flows));
-  return open_segment(on) == ExactSegment::Opened::yes;
+  return opens_again();
+}
+
+/// The segment of the position that was found, after those of others: what its vectors have been there makes it another one, whose signs may differ.
+bool PartRun::opens_again() {
+  return open_segment(point_.on) == ExactSegment::Opened::yes && segment_->negative().empty() && is_continuous();
 }
 
 /// Where the rows of the segment have lost digits, it is made of solutions that are corrected, if that leaves its signs as they are. False: failed.
@@ -241,7 +246,7 @@ bool PartRun::correct_rows() {
     return true;
   }
   segment_->refine(false);
-  return open_segment(point_.on) == ExactSegment::Opened::yes;
+  return opens_again();
 }
 
 /// Back to where a search began: a jump that is taken moves the point, and is none where nothing follows it.
@@ -276,9 +281,9 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
     if (!found && (ways == Ways::directly_or_by_ties || ways == Ways::all)) found = follows_by_ties(beginning, candidate);
     if (!found && (ways == Ways::by_steps || ways == Ways::all)) found = find_after_steps(beginning, instant);
     if (found && relaxation.refines) segment_->refine_position();
+    found = found && share_freely() && correct_rows();
     if (found || !failure_.id.empty()) break;
   }
-  if (found) found = share_freely() && correct_rows();
   segment_->relax(1.0, false);
   segment_->shorten(1.0);
   segment_->refine(false);
