@@ -526,7 +526,7 @@ const std::vector<LeakCase> leak_cases{
      "Vd1 din 0 400\n"
      "Rtie1 bp1 hub 42\n"
      "Rtie3 din hub 11.9\n"
-     ".save i(Db2) v(bout)\n"
+     ".save i(Lb1) v(bs)\n"
      ".tran 3.082e-07 6.164e-05 uic\n"
      ".end\n"},
     {"a guard that begins within its rounding passes where it is zero, not where it is visibly below",

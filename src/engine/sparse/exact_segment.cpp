@@ -26,6 +26,7 @@ constexpr int most_no_better_early = 6;
 constexpr int most_cuts = 12, most_extensions = 6, most_doublings = 3;
 constexpr double shorter = 32.0;             ///< a segment that cannot be made is tried again at so small a part
 constexpr double most_rise = 1e6;            ///< of them at the start of a segment: beyond, and beyond what the run has had, are impulses
+constexpr double largest_growth = 1e3;          ///< of a segment's motions, in a passive network: sources move
 constexpr double most_loss = 1e6;            ///< of vectors by orthogonalisation, in roundings
 constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
 constexpr double muting = 30.0, most_muted = 1e6;
@@ -210,7 +211,7 @@ void ExactSegment::stretch(double longest) {
 bool ExactSegment::reaches(double longer) {
   const auto& points = space_.estimate(longer);
   const double most = largest_error(points);
-  if (!(most <= tolerance_for(longer) * size_) || !(points.back().rounding <= tolerance::lengthened_rounding * size_) || !has_digits())
+  if (!(most <= tolerance_for(longer) * size_) || !(points.back().rounding <= tolerance::lengthened_rounding * size_) || !has_digits() || shows_growth(longer))
     return false;
   estimate_ = most;
   length_ = longer;
@@ -286,7 +287,7 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start, 
     const bool is_cut = !is_resolved || length_ < length;
     if (begins_well && (forgets_turning() || turns_by_more(is_cut) || (is_cut && takes_shorter_turn())) && shift_for(length) != shift)
       continue;
-    const bool has_all = is_resolved && keeps_digits();
+    const bool has_all = is_resolved && leaves_out_growth() && keeps_digits();
     if (is_resolved && !has_all && takes_longer_turn() && shift_for(length) != shift) continue;
     if (has_all && space_.dimension() > habits_[key_].most_vectors) note_digits(space_.dimension(), true);
     if (has_all || (is_resolved && takes_back(length))) {
@@ -299,6 +300,21 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start, 
     length *= ratio;
   }
   return Opened::unresolved;
+}
+
+/// In a passive network nothing grows: what does in the space is rounding in its last vectors, and would grow until it is seen.
+bool ExactSegment::shows_growth(double length) { return is_passive_ && !(space_.growth(length) <= largest_growth); }
+
+/// With fewer vectors. False: the error is not within the tolerance then.
+bool ExactSegment::leaves_out_growth() {
+  while (shows_growth(length_)) {
+    if (space_.dimension() <= 1) return false;
+    space_.shrink(space_.dimension() - 1);
+    if (!space_.is_sound()) return false;
+    estimate_ = largest_error(space_.estimate(length_));
+    if (!(estimate_ <= tolerance::converged_rounding * size_)) return false;
+  }
+  return true;
 }
 
 bool ExactSegment::keeps_digits() { return space_.loss() <= most_loss && has_digits(); }
@@ -396,7 +412,7 @@ void ExactSegment::watch_guards(const Position& on) {
     if (hidden_decay_ == 0.0 || space_.is_full() || before >= dimensions.back()) return;
     space_.grow(*std::upper_bound(dimensions.begin(), dimensions.end() - 1, before));
     const bool is_better =
-        space_.is_sound() && largest_error(space_.estimate(length_)) <= estimate_ && space_.loss() <= most_loss && has_digits();
+        space_.is_sound() && largest_error(space_.estimate(length_)) <= estimate_ && keeps_digits() && !shows_growth(length_);
     if (!is_better) space_.shrink(before);
     estimate_ = largest_error(space_.estimate(length_));
   }

@@ -234,6 +234,8 @@ class ExactSegment {
   void stretch(double longest);
   [[nodiscard]] bool reaches(double longer);
   [[nodiscard]] bool has_digits();
+  [[nodiscard]] bool shows_growth(double length);
+  [[nodiscard]] bool leaves_out_growth();
   [[nodiscard]] bool keeps_digits();
   [[nodiscard]] bool takes_longer_turn();
   [[nodiscard]] bool takes_shorter_turn();

@@ -363,6 +363,15 @@ const std::vector<KrylovSpace::Checkpoint>& KrylovSpace::estimate(double length)
   return estimate_;
 }
 
+double KrylovSpace::growth(double length) {
+  Vector y(dimension_);
+  for (Eigen::Index i = 0; i < y.size(); ++i) y[i] = i % 2 == 0 ? 1.0 : -1.0;
+  const double before = y.norm();
+  work_.resize(2 * static_cast<std::size_t>(dimension_));
+  flow_.apply_once(length, y.data(), work_.data());
+  return y.norm() / before;
+}
+
 /// All of a vector at once: forms read it in any order.
 Matrix KrylovSpace::rows(const std::vector<Reading>& readings) const {
   Matrix of_vectors(static_cast<Eigen::Index>(readings.size()), dimension_);
