@@ -32,6 +32,8 @@ bool needs_constant(const Network& network) {
   return false;
 }
 
+constexpr double share_of_widest = 0.5;  ///< of a gap, in decades: it is nearly as wide
+
 /// The smallest and the largest of what is neither zero nor infinite.
 class Range {
  public:
@@ -45,15 +47,19 @@ class Range {
     const auto [least, most] = std::minmax_element(sizes_.begin(), sizes_.end());
     return std::sqrt(*least) * std::sqrt(*most);
   }
-  /// The same of the two neighbours that are furthest apart, the lower of which is at most `firm`.
-  [[nodiscard]] double middle_of_widest_gap(double firm) {
+  /// The same of two neighbours, the lower of which is at most `firm`: of those that are nearly as far apart as any the ones that are nearest to the middle of all.
+  [[nodiscard]] double middle_of_gap(double firm) {
     std::sort(sizes_.begin(), sizes_.end());
-    double widest = 1.0, middle = this->middle();
-    for (std::size_t i = 1; i < sizes_.size() && sizes_[i - 1] <= firm; ++i)
-      if (const double ratio = sizes_[i] / sizes_[i - 1]; ratio > widest) {
-        widest = ratio;
-        middle = std::sqrt(sizes_[i - 1]) * std::sqrt(sizes_[i]);
-      }
+    const auto width = [&](std::size_t i) { return std::log(sizes_[i] / sizes_[i - 1]); };
+    double widest = 0.0, middle = this->middle(), nearest = INFINITY;
+    for (std::size_t i = 1; i < sizes_.size() && sizes_[i - 1] <= firm; ++i) widest = std::max(widest, width(i));
+    const double whole = middle;
+    for (std::size_t i = 1; i < sizes_.size() && sizes_[i - 1] <= firm; ++i) {
+      const double between = std::sqrt(sizes_[i - 1]) * std::sqrt(sizes_[i]), away = std::abs(std::log(between / whole));
+      if (!(width(i) > share_of_widest * widest) || !(away < nearest)) continue;
+      nearest = away;
+      middle = between;
+    }
     return middle;
   }
 
@@ -214,7 +220,7 @@ void Assembly::choose_scales() {
   const double impedance = std::sqrt(inductance.value() / capacitance.value());
   if (!capacitance.empty() && !inductance.empty()) resistance.take(impedance);
   const bool has_leaks = std::any_of(network.diodes.begin(), network.diodes.end(), [](const auto& d) { return d.is_of_leak; });
-  r0 = has_leaks ? resistance.middle_of_widest_gap(least_leak * impedance) : resistance.middle();
+  r0 = has_leaks ? resistance.middle_of_gap(least_leak * impedance) : resistance.middle();
   for (const auto& c : network.capacitors) time.add(std::abs(c.capacitance) * r0);
   for (const auto& l : network.inductors) time.add(std::abs(l.inductance) / r0);
   tau0 = time.value();

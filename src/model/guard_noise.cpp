@@ -61,7 +61,8 @@ double guard_size(const Mode& mode, int row, const double* y, double share) {
   double fast = 0.0;
   for (Eigen::Index j = 0; j < mode.apart->terms.rows(); ++j)
     fast += std::abs(mode.guards(row, mode.apart->first + j)) * linalg::absolute_row_times(mode.apart->terms, j, y);
-  return std::max({terms, share * mode.apart->slow_guard_norm[row] * norm, fast});
+  const double of_sources = mode.apart->source_guard_norm[row] * linalg::norm(y + mode.n1, mode.ny - mode.n1);
+  return std::max({terms, share * (mode.apart->slow_guard_norm[row] * norm + of_sources), fast});
 }
 
 double guard_rounding(const Mode& mode, int row, const double* y, double size, double least) {

@@ -40,8 +40,7 @@ struct FastCoordinates {
   int first = 0;  ///< of c
   Matrix terms;   ///< |φ's terms| ≤ terms·|y| (fast × ny)
   double terms_norm = 0.0;
-  Vector slow_guard_norm;  ///< ‖row‖ of the guards without φ
-  Vector guard_norm;       ///< ‖row restricted to φ‖
+  Vector slow_guard_norm, guard_norm, source_guard_norm;  ///< ‖row‖ of the guards restricted to c, φ and ζ
 };
 
 struct Mode {

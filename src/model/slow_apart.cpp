@@ -84,8 +84,8 @@ std::unique_ptr<Mode> with_slow_apart(const System& system, const Mode& whole, c
   m.apart->terms.array() += tolerance::basis_rounding / m.noise;  // the rest of entries that count as zero
   m.apart->terms_norm = m.apart->terms.norm();
   m.apart->guard_norm = m.guards.middleCols(n_slow, n_fast).rowwise().norm();
-  m.apart->slow_guard_norm =
-      (m.guards.leftCols(n_slow).rowwise().squaredNorm() + m.guards.rightCols(nz).rowwise().squaredNorm()).cwiseSqrt();
+  m.apart->slow_guard_norm = m.guards.leftCols(n_slow).rowwise().norm();
+  m.apart->source_guard_norm = m.guards.rightCols(nz).rowwise().norm();
   return mode;
 }
 

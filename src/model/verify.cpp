@@ -44,9 +44,11 @@ void Verifier::extend(const Mode& mode, int order) {
 double Verifier::rounding(const Mode& mode, int row, int order, double size) const {
   const double norm = norm_[static_cast<std::size_t>(order)];
   if (mode.apart) {  // of φ, `size` has the terms
-    const double* fast = &z_[static_cast<std::size_t>(order * ny_ + mode.apart->first)];
+    const FastCoordinates& apart = *mode.apart;
+    const double* z = &z_[static_cast<std::size_t>(order * ny_)];
     size += share_of_state_norm *
-            (mode.apart->slow_guard_norm[row] * norm + mode.apart->guard_norm[row] * linalg::norm(fast, mode.n1 - mode.apart->first));
+            (apart.slow_guard_norm[row] * norm + apart.guard_norm[row] * linalg::norm(z + apart.first, mode.n1 - apart.first) +
+             apart.source_guard_norm[row] * linalg::norm(z + mode.n1, ny_ - mode.n1));
   } else {
     size += share_of_state_norm * mode.guard_norm[row] * norm;
   }

@@ -577,6 +577,36 @@ const std::vector<LeakCase> leak_cases{
      ".save i(Db5) i(Lb3) v(bdp)\n"
      ".tran 1.20476e-05 0.00240952\n"
      ".end\n"},
+    {"the current of a clamp diode is small beside that of 400 V across its resistance",
+     "neutral-point-clamped leg\n"
+     ".model SM SW(Ron=0.0576 Roff=1e+07 Vt=0.5)\n"
+     ".model DM D(Ron=0.00308 Roff=1e+10 Vfwd=0.8)\n"
+     "V1 p o DC 400\n"
+     "V2 o n DC 400\n"
+     "R1 o 0 1000\n"
+     "V7 g5 0 DC 0\n"
+     "V8 g6 0 DC 1\n"
+     "V9 g7 0 PWL(0 0 1.75784902e-05 0 1.75784902e-05 1)\n"
+     "V10 g8 0 PWL(0 1 1.74282389e-05 1 1.74282389e-05 0)\n"
+     "S5 p a1 g5 0 SM\n"
+     "D7 a1 p DM\n"
+     "C5 p a1 3.96e-10\n"
+     "S6 a1 x1 g7 0 SM\n"
+     "D8 x1 a1 DM\n"
+     "C6 a1 x1 3.96e-10\n"
+     "S7 x1 c1 g6 0 SM\n"
+     "D9 c1 x1 DM\n"
+     "C7 x1 c1 3.96e-10\n"
+     "S8 c1 n g8 0 SM\n"
+     "D10 n c1 DM\n"
+     "C8 c1 n 3.96e-10\n"
+     "D11 o a1 DM\n"
+     "D12 c1 o DM\n"
+     "R2 p nx1 3.87\n"
+     "C9 nx1 x1 6.48e-09\n"
+     ".save v(a1) v(c1)\n"
+     ".tran 1u 32u\n"
+     ".end\n"},
 };
 
 }  // namespace

@@ -472,3 +472,22 @@ TEST_CASE("slow motions stand apart from fast rates within them", "[regression]"
       ".end\n";
   CHECK(largest_difference(run_text(deck), run_text_sparse(deck, tolerance)) <= expected);
 }
+
+// A snubber charges through a diode with Roff until its current is what Roff carries at Vfwd. With R0 in the widest gap, between Roff and the leak of 1 TOhm, milliohms were 5e-12 of it, and the diode stayed on.
+TEST_CASE("a leak of 1 TOhm leaves the turn-off of a diode of milliohms its digits", "[regression]") {
+  constexpr double leak = 1e6, drop = 0.8, small = 2.151e-11, large = 2.769e-6, closes = 2.21674136e-5;
+  const DeckRun run = run_text(
+      "half a leg\nC1 a m 2.769e-06 ic=400\nL1 a st 0.001622\nVg g 0 PWL(0 0 2.21674136e-05 0 2.21674136e-05 15)\nS1 a b g 0 SWM\nR1 b c "
+      "1.345\n"
+      "C2 c b 5.119e-10\nR2 b d 0.08244\nC3 d w 2.151e-11\nD1 w m DM\nR3 st 0 1e+12\n.model SWM SW(Ron=0.003522 Vt=5 Vh=0)\n"
+      ".model DM D(Ron=0.005038 Vfwd=0.8 Roff=1e+06)\n.save i(D1)\n.tran 1e-6 30e-6 uic\n");
+  REQUIRE(run.answer.outcome == Outcome::completed);
+  const double time_constant = leak * small * large / (small + large);
+  int checked = 0;
+  for (const auto& row : run.rows) {
+    if (row[0] < 2.25e-5) continue;
+    ++checked;
+    CHECK(row[1] == Approx(drop / leak * std::exp(-(row[0] - closes) / time_constant)).epsilon(1e-5));  // charged within 60 ps
+  }
+  CHECK(checked > 5);
+}
