@@ -239,7 +239,6 @@ void ExactSegment::note_later_rounding() {
 /// Guards that the noise of a decay leaves without a sign have the noise of the slow motion, too: one that this takes below zero falls, at once or where it passes zero. One that begins below zero and that
 /// the slow motion takes above keeps the noise of the decay.
 void ExactSegment::judge_hidden() {
-  if (relaxation_ > 1.0) return;
   for (std::size_t i = 0; i < segment_.rows.size(); ++i) {
     const int row = segment_.rows[i];
     model::Departure& departure = segment_.departures[i];

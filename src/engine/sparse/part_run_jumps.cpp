@@ -12,7 +12,6 @@ namespace {
 
 /// States that jump move, all together, by more than so many errors of the segment.
 constexpr double least_errors = 10.0;
-constexpr double most_relaxed = 30.0;  ///< of `same_jump`, where signs agree in no position
 
 }  // namespace
 
@@ -106,7 +105,7 @@ std::vector<std::size_t> PartRun::backward_impulses(const std::vector<double>& i
 /// Whether the jump with which the segment begins, to first_, is one of the position. In the Euler step that found it, what flows in its length may have hidden an
 /// impulse backwards: a capacitor that a current discharges in a short time does not jump. One that is backwards by rounding leads where it does with the other sides.
 bool PartRun::is_jump_of(const Position& on) {
-  const double same = tolerance::same_jump * std::min(segment_->relaxation(), most_relaxed);
+  const double same = tolerance::same_jump * segment_->relaxation();
   if (segment_->distance(point_.z, first_.z) <= same) return true;
   const std::vector<double> impulses = segment_->impulses(), whole = segment_->first_unknowns();
   const std::vector<std::size_t> backward = backward_impulses(impulses, whole, on, tolerance::impulse_rounding);

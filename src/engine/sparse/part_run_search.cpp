@@ -32,19 +32,15 @@ struct Relaxation {
   double length = 1.0;
   bool refines = false, jumps = true, decays_jump = false, passes_jump = false;
 };
-constexpr std::array<Relaxation, 13> relaxations{{{.ways = Ways::directly_or_by_ties},
-                                                  {.takes_positive = true, .ways = Ways::directly},
-                                                  {.ways = Ways::by_steps},
-                                                  {.refines = true, .jumps = false},
-                                                  {.takes_positive = true},
-                                                  {.length = 0x1p-12},
-                                                  {.length = 0x1p-24},
-                                                  {.decays_jump = true, .passes_jump = true},
-                                                  {.factor = 30.0, .takes_positive = true, .passes_jump = true},
-                                                  {.factor = 1e3, .takes_positive = true, .passes_jump = true},
-                                                  {.factor = 1e3, .passes_jump = true},
-                                                  {.refines = true, .passes_jump = true},
-                                                  {.takes_positive = true, .refines = true, .passes_jump = true}}};
+constexpr std::array<Relaxation, 9> relaxations{{{.ways = Ways::directly_or_by_ties},
+                                                 {.takes_positive = true, .ways = Ways::directly},
+                                                 {.ways = Ways::by_steps},
+                                                 {.refines = true, .jumps = false},
+                                                 {.takes_positive = true},
+                                                 {.length = 0x1p-12},
+                                                 {.length = 0x1p-24},
+                                                 {.decays_jump = true, .passes_jump = true},
+                                                 {.factor = 30.0, .takes_positive = true, .passes_jump = true}}};
 constexpr double shortest_with_jumps = 1e-5;  ///< of the usual length: in steps for shorter segments impulses leave states no digits
 constexpr char idle_mark = 2;                 ///< of a port that is on and carries nothing
 
