@@ -215,8 +215,7 @@ class PartRun {
   [[nodiscard]] Sought seek_by_steps(const Beginning& beginning, Instant& instant, double h);
   [[nodiscard]] bool share_freely();
   [[nodiscard]] bool correct_rows();
-  [[nodiscard]] bool settle_ties(const std::vector<double>& z, const Position& on, int passing, double h);
-  [[nodiscard]] bool follows_by_ties(const Beginning& beginning, const Position& candidate);
+  [[nodiscard]] bool follows_by_ties(const Beginning& beginning, Position candidate);
   [[nodiscard]] double euler_length(const Beginning& beginning) const;
   [[nodiscard]] double room() const;
   [[nodiscard]] bool follow_segment();

@@ -17,7 +17,7 @@ namespace pwlsim::engine::sparse {
 namespace {
 
 constexpr double euler_share = 1e-4, euler_room = 1.0 / 64.0;  ///< Euler steps, of the segment to come, and of what is known to happen next
-constexpr std::array<double, 5> euler_scales{1.0, 1.0 / 64.0, 16.0, 0x1p-12, 0x1p-18};
+constexpr std::array<double, 4> euler_scales{1.0, 16.0, 0x1p-12, 0x1p-18};
 constexpr double shared_jump = 0.5;           ///< of a jump: how far beside it a step that takes it may end
 constexpr int most_jumps = 8;                 ///< one after the other at an instant
 constexpr int most_flips = 8, few_flips = 2;  ///< rounds
@@ -117,10 +117,8 @@ PartRun::Sought PartRun::seek_segment(const Beginning& beginning, Instant& insta
     return take_jump_of(step, h);
   }
   if (segment_->negative().empty()) return Sought::found;
-  const std::vector<double> z = first_.z;
   first_ = step;
-  if (settle_ties(z, on, -1, h) || (open_segment(on) == ExactSegment::Opened::yes && flip_negative(on, most_flips) && is_continuous()))
-    return Sought::found;
+  if (flip_negative(on, most_flips) && is_continuous()) return Sought::found;
   if (!differs || !may_jump_ || segment_->share() < shortest_with_jumps || open_segment(on) != ExactSegment::Opened::yes)
     return Sought::not_found;
   point_.on = on;
@@ -135,27 +133,6 @@ bool PartRun::is_shared_by(const Point& step, double h) const {
   if (!start_memory_.empty()) return true;
   const std::vector<double> end = decays_jump_ ? segment_->euler_end(h) : first_.z;
   return segment_->distance(step.z, end) <= shared_jump * segment_->distance(point_.z, first_.z);
-}
-
-/// From a point without a jump, in a position that fits it but for ports at zero: these settle among themselves, in steps of several lengths until the signs of
-/// derivatives confirm what they find.
-bool PartRun::settle_ties(const std::vector<double>& z, const Position& on, int passing, double h) {
-  std::vector<double> w;
-  sources_.evaluate(point_.time, w);
-  if (!ties_->find(z, w, on, passing)) return false;
-  std::vector<double> zeta;
-  sources_.states(point_.time, zeta);
-  std::vector<Position> seen;
-  for (const double scale : euler_scales) {
-    Position candidate = on;
-    if (!ties_->decide(z, zeta, scale * h, candidate)) continue;
-    if (std::find(seen.begin(), seen.end(), candidate) != seen.end()) continue;
-    seen.push_back(candidate);
-    if (open_segment(candidate) != ExactSegment::Opened::yes || !segment_->negative().empty() || !is_continuous()) continue;
-    point_.on = candidate;
-    return true;
-  }
-  return false;
 }
 
 /// Ports whose guards depart downwards change sides, a few rounds: diodes first, as what a control reads where they are on a wrong side says nothing, and a switch that it would open,
@@ -288,11 +265,19 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
   return false;
 }
 
-/// Where a port passes zero and nothing else happens, no state jumps, and the others stay on their sides but for those at zero.
-bool PartRun::follows_by_ties(const Beginning& beginning, const Position& candidate) {
+/// Where a port passes zero and nothing else happens, no state jumps, and the others stay on their sides but for those at zero: these settle among themselves in a step, if the signs of derivatives
+/// confirm what it finds.
+bool PartRun::follows_by_ties(const Beginning& beginning, Position candidate) {
   const bool is_passage = passing_ >= 0 && passing_ < descriptor_.first_switch();
   if (starting_ || !is_passage || beginning.instant.source_edge || beginning.instant.mode_change) return false;
-  return settle_ties(point_.z, candidate, passing_, euler_length(beginning));
+  std::vector<double> w, zeta;
+  sources_.evaluate(point_.time, w);
+  ties_->find(point_.z, w, candidate, passing_);
+  sources_.states(point_.time, zeta);
+  if (!ties_->decide(point_.z, zeta, euler_length(beginning), candidate)) return false;
+  if (open_segment(candidate) != ExactSegment::Opened::yes || !segment_->negative().empty() || !is_continuous()) return false;
+  point_.on = candidate;
+  return true;
 }
 
 double PartRun::euler_length(const Beginning& beginning) const {
