@@ -241,7 +241,6 @@ class PartRun {
   [[nodiscard]] std::vector<std::size_t> backward_impulses(const std::vector<double>& impulses, const std::vector<double>& whole,
                                                            const Position& on, double share) const;
   [[nodiscard]] bool is_jump_of(const Position& on);
-  [[nodiscard]] bool passes_zero_in_jump(const std::vector<double>& impulses, const std::vector<double>& whole, const Position& on) const;
   [[nodiscard]] bool is_continuous();
   [[nodiscard]] double least_distance() const;
   [[nodiscard]] bool moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const;

@@ -126,11 +126,8 @@ PartRun::Sought PartRun::seek_segment(const Beginning& beginning, Instant& insta
   return take_jump_of(step, h);
 }
 
-/// Whether the Euler step of length h that found the position jumps where the segment does. Where decays jump, it may go on from there, as such a step from the segment's start does. A
-/// segment of many scales may miss the point it begins at.
+/// Whether the Euler step of length h that found the position jumps where the segment does. Where decays jump, it may go on from there, as such a step from the segment's start does.
 bool PartRun::is_shared_by(const Point& step, double h) const {
-  if (segment_->share() < shortest_with_jumps) return false;
-  if (!start_memory_.empty()) return true;
   const std::vector<double> end = decays_jump_ ? segment_->euler_end(h) : first_.z;
   return segment_->distance(step.z, end) <= shared_jump * segment_->distance(point_.z, first_.z);
 }
@@ -183,22 +180,17 @@ bool PartRun::share_freely() {
   std::string flows(on.begin(), on.end());  // what others that carry nothing could share, they may carry the next time
   for (const int port : segment_->idle_ports()) flows[static_cast<std::size_t>(port)] = idle_mark;
   if (unshared_.contains(flows)) return true;
-  std::vector<int> free = segment_->free_ports();
-  bool fits = false;
-  while (!fits && !free.empty()) {
-    if (open_segment(shared) != ExactSegment::Opened::yes || !is_continuous()) break;
-    fits = segment_->negative().empty();
-    const std::size_t before = free.size();
-    for (const int guard : segment_->negative())  // backwards: another loop than that of those that carry something
-      if (std::erase(free, guard) > 0) shared[static_cast<std::size_t>(guard)] = 0;
-    if (!fits && free.size() == before) break;
-  }
+  const std::vector<int> free = segment_->free_ports();
+  const bool is_open = open_segment(shared) == ExactSegment::Opened::yes && is_continuous();
+  const std::vector<int>& negative = segment_->negative();
+  const bool fits = is_open && negative.empty(),
+             none_fits = is_open && std::includes(negative.begin(), negative.end(), free.begin(), free.end());
   const std::vector<int>& idle = segment_->idle_ports();
   if (fits && !std::includes(idle.begin(), idle.end(), free.begin(), free.end())) {
     point_.on = shared;
     return true;
   }
-  if (fits || free.empty()) unshared_.insert(std::move(flows));
+  if (fits || none_fits) unshared_.insert(std::move(flows));
   return open_segment(on) == ExactSegment::Opened::yes;
 }
 
@@ -208,8 +200,7 @@ bool PartRun::correct_rows() {
   const Point first = point_of_segment(0.0, point_.time, true);
   if (!(certificate_.row_residual(first, {.length = segment_->length()}) > tolerance::doubtful_rows)) return true;
   segment_->refine(true);
-  if (open_segment(point_.on) == ExactSegment::Opened::yes && segment_->negative().empty() &&
-      segment_->distance(first.z, point_of_segment(0.0, point_.time, false).z) <= tolerance::start_rounding) {
+  if (open_segment(point_.on) == ExactSegment::Opened::yes && segment_->negative().empty()) {
     segment_->refine_position();
     return true;
   }
