@@ -23,8 +23,8 @@ constexpr int most_jumps = 8;                 ///< one after the other at an ins
 constexpr int most_flips = 8, few_flips = 2;  ///< rounds
 enum class Ways { directly, directly_or_by_ties, by_steps, all };
 /// Of signs, where they agree in no position; before that solutions with all their digits, where no state jumps, a closer look at what is fast, and, where nothing follows that, its decay as a jump.
-/// A guard whose sign is rounding is first tried on both sides, as steps cost a factor for each length and position. A jump in which a port passes zero is taken only where shorter segments do not
-/// show its passage.
+/// A guard whose sign is rounding is first tried on both sides, as steps cost a factor for each length and position. At the start what is given
+/// jumps by a step only where shorter segments do not follow what is fast.
 struct Relaxation {
   double factor = 1.0;
   bool takes_positive = false;
