@@ -124,7 +124,6 @@ bool ExactSegment::resolve() {
     m = std::min(next, most_vectors);
   }
   const bool is_near = best_at > 0 && best <= tolerance::converged_rounding * size_;
-  if (!is_near && !space_.is_sound() && last > 0) space_.shrink(last);  // it shows what turns
   if (!is_near) return false;
   space_.shrink(best_at);
   estimate_ = best;
@@ -252,15 +251,12 @@ void ExactSegment::count_states(const std::vector<double>& z) {
 }
 
 /// At lengths that become shorter. Where the usual one is no more than what an event left, so that the vectors of shorter ones are rounding, longer ones serve.
-/// A ramp that ends soon reaches far beyond its end in a space that is made for more: beside it vectors are rounding before the tolerance is met. Then the space is made for what is known to come.
 ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start) {
   const double length = std::max(usual_length(start.on, start.longest), least_share * usual_length(start.on, stop_));
   expected_ = std::min(length, start.longest);
   count_states(start.z);
   space_.refine_all(refines_ || habits_[key_].refines);
-  Opened opened = build(factors, start, length, 1.0 / shorter, most_cuts);
-  const bool is_hidden = opened == Opened::yes && !is_rejected_ && !(estimate_ <= present_tolerance_ * size_);
-  if (is_hidden && expected_ < length) opened = build(factors, start, expected_, 1.0 / shorter, most_cuts);
+  const Opened opened = build(factors, start, length, 1.0 / shorter, most_cuts);
   if (opened != Opened::unresolved || !(shorter * length <= start.longest)) return opened;
   return build(factors, start, shorter * length, shorter, most_extensions);
 }
@@ -283,10 +279,9 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start, 
     size_ = std::max(peak_, space_.start_size());
     length_ = length;
     present_tolerance_ = tolerance_;
-    const bool begins_well = space_.start_rounding() <= tolerance::start_rounding * size_, is_resolved = begins_well && resolve();
+    const bool is_resolved = resolve();
     const bool is_cut = !is_resolved || length_ < length;
-    if (begins_well && (forgets_turning() || turns_by_more(is_cut) || (is_cut && takes_shorter_turn())) && shift_for(length) != shift)
-      continue;
+    if (is_cut && (turns_by_more() || takes_shorter_turn()) && shift_for(length) != shift) continue;
     const bool has_all = is_resolved && leaves_out_growth() && keeps_digits();
     if (is_resolved && !has_all && takes_longer_turn() && shift_for(length) != shift) continue;
     if (has_all && space_.dimension() > habits_[key_].most_vectors) note_digits(space_.dimension(), true);

@@ -201,9 +201,6 @@ class ExactSegment {
     bool is_regular = false;                           ///< it has had a factor without ε
     Attempts more_vectors;                             ///< than those that have digits
     double turn = usual_turn, longest = longest_turn;  ///< radians in γ
-    bool turns_many_vectors = false;                   ///< the fastest oscillation was one of a space of many vectors
-    bool turns = false;                                ///< it is seen in a space that is made for it, too
-    double no_turning = INFINITY;                      ///< one so fast was nothing but rounding, radians per s
   };
   [[nodiscard]] static std::string key(const Position& on) { return {on.begin(), on.end()}; }
   [[nodiscard]] double steps_wanted() const;
@@ -240,8 +237,7 @@ class ExactSegment {
   [[nodiscard]] bool takes_longer_turn();
   [[nodiscard]] bool takes_shorter_turn();
   [[nodiscard]] bool takes_back(double length);
-  [[nodiscard]] bool turns_by_more(bool is_cut);
-  [[nodiscard]] bool forgets_turning();
+  [[nodiscard]] bool turns_by_more();
   [[nodiscard]] int most_vectors_now();
   void note_digits(int vectors, bool has_all);
   void note_all_decays();
@@ -252,7 +248,6 @@ class ExactSegment {
   void find_parallel_ports();
   [[nodiscard]] bool is_short_circuited(int row) const;
   void drop_empty_guards();
-  [[nodiscard]] bool outlasts_decay(const std::vector<int>& rows);
   static void bound_mode(model::Mode& m);
   void bound_guards();
   void leave_out_decays();
@@ -289,8 +284,7 @@ class ExactSegment {
   int passing_ = -1;
   std::vector<double> held_;  ///< of ports: the slack they have, or had, while on, until that is left behind
   Position passed_from_;      ///< where it was seen to
-  Position passed_to_;        ///< the same with that port alone on its other side
-  bool passed_zero_ = false;  ///< it was zero there, to rounding
+  Position passed_to_;        ///< the same with that port alone on its other side; of a control empty
   bool samples_start_ = false;
   bool rejects_early_ = false, is_rejected_ = false, keeps_tolerance_ = false;
   double present_tolerance_ = 0.0;  ///< of the segment at hand
@@ -304,18 +298,16 @@ class ExactSegment {
   Locator locator_;
   Passage passage_;
   bool located_ = false;
-  double hidden_decay_ = 0.0;    ///< rate of a decay that it begins with, 1/s, if its error hides what that does to a guard
-  bool hides_sign_ = false;      ///< such a decay, or its rounding, hides whether the guard is below zero once it is over
-  bool outlasts_decay_ = false;  ///< a guard is rounding beside that decay, and none once it is over
+  double hidden_decay_ = 0.0;  ///< rate of a decay that it begins with, 1/s, if its error hides what that does to a guard
+  bool hides_sign_ = false;    ///< such a decay, or its rounding, hides whether the guard is below zero once it is over
   std::vector<int> negative_, free_, idle_;
   /// Guards that begin below zero by rounding and rise; and the one that has just passed zero, where it is below for a small part of the segment: a leak carries what rounding leaves of a current.
   std::vector<int> rising_;
   std::vector<std::vector<int>> beside_;  ///< of each port those in parallel
   linalg::Vector terms_;                  ///< of guards: the magnitudes that each is a sum of at the start
   double input_ = 0.0;                    ///< the largest of those of currents
-  std::vector<double> left_out_;          ///< of guards: the rounding of taking out a decay that is over; 0: there is none
+  std::vector<char> left_out_;            ///< of guards: a decay that is over is taken out of the row
   std::vector<double> later_noise_;       ///< of guards that read a decay that is not, once it is; infinite: they do not
-  std::vector<double> slow_start_;        ///< of these: what they are at the start without it
   double start_rounding_ = 0.0;           ///< √energy
   std::vector<double> zeta_, y_, work_;
   double node_terms_ = 0.0, input_terms_ = 0.0;  ///< of the largest voltage, and of the largest input

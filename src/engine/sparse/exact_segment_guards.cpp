@@ -19,7 +19,6 @@ constexpr double beyond_size = 2e2;          ///< times what a guard is measured
 constexpr double time_constants_of_decay = 40.0;  ///< until it is over, to rounding
 constexpr double most_of_length_for_decay = 0.1;  ///< it is worth a segment of its own
 constexpr double beyond_held = 2.0;               ///< of a slack that was held at zero: what is no rounding of it
-constexpr int most_derivatives = 4;               ///< at the start: what begins with a higher power of time is at rest until it is visible
 
 }  // namespace
 
@@ -73,32 +72,14 @@ void ExactSegment::drop_empty_guards() {
   const double voltage = std::max(voltage_, least_voltage_);
   free_.clear();
   idle_.clear();
-  std::vector<int> small;
   std::erase_if(segment_.rows, [&](int row) {
     const bool is_short = is_short_circuited(row);
     const double size = is_on(row) ? input : voltage;
     const bool is_empty = is_short || reach(row) <= std::min(std::max(tolerance::empty_row * terms_of(row), node_rounding(row)),
                                                              tolerance::largest_empty_row * size);
     if (is_empty && is_on(row)) idle_.push_back(row);
-    if (is_empty && !is_on(row) && (is_short || node_terms_ > least_voltage_)) free_.push_back(row);
-    if (is_empty && !is_short && reach(row) > tolerance::unknown_rounding * least_voltage_) small.push_back(row);
+    if (is_empty && !is_on(row)) free_.push_back(row);
     return is_empty;
-  });
-  outlasts_decay_ = !small.empty() && outlasts_decay(small);
-}
-
-/// Whether one of these guards, which are rounding beside what the segment begins with, is none beside what is left at its end.
-bool ExactSegment::outlasts_decay(const std::vector<int>& rows) {
-  std::vector<double> y(space_.first().begin(), space_.first().end()), z;
-  work_.resize(2 * y.size());
-  space_.flow().apply_once(length_, y.data(), work_.data());
-  space_.unknowns(y.data(), z);
-  const double voltage = largest(std::span(z).first(static_cast<std::size_t>(descriptor_.nodes())));
-  double input = 0.0;
-  for (const DescriptorPort& port : descriptor_.ports()) input = std::max(input, std::abs(z[static_cast<std::size_t>(port.row)]));
-  return std::any_of(rows.begin(), rows.end(), [&](int row) {
-    const double size = on_[static_cast<std::size_t>(row)] != 0 ? input : voltage;
-    return std::abs(guard(row, y)) > tolerance::unknown_rounding * std::max(size, least_voltage_);
   });
 }
 
@@ -163,9 +144,8 @@ void ExactSegment::leave_out_decays() {
   const double norm = y.norm();
   hidden_decay_ = 0.0;
   hides_sign_ = false;
-  left_out_.assign(static_cast<std::size_t>(m.guards.rows()), 0.0);
+  left_out_.assign(static_cast<std::size_t>(m.guards.rows()), 0);
   later_noise_.assign(static_cast<std::size_t>(m.guards.rows()), INFINITY);
-  slow_start_.assign(static_cast<std::size_t>(m.guards.rows()), 0.0);
   std::vector<int> far;
   for (const int row : segment_.rows)
     if (share_of_norm * m.guard_norm[row] * norm > beyond_size * std::max(size_of_kind(row), terms_[row])) far.push_back(row);
@@ -184,13 +164,12 @@ void ExactSegment::leave_out_decays() {
       m.guards.row(row) = slow;
       m.absolute_guards.row(row) = slow.cwiseAbs();
       m.guard_norm[row] = m.guard_c_norm[row] = slow.norm();
-      left_out_[static_cast<std::size_t>(row)] = rounding;
+      left_out_[static_cast<std::size_t>(row)] = 1;
     } else {
       const double of_segment = estimate_ * m.guard_norm[row];
       if (of_segment > of_slow) hidden_decay_ = part->slowest;
       hides_sign_ |= is_seen && rounding + of_segment > own && std::abs(slow_value) <= of_slow + of_segment;
       later_noise_[static_cast<std::size_t>(row)] = (of_slow + of_segment) / (share_of_norm * size);
-      slow_start_[static_cast<std::size_t>(row)] = slow_value;
     }
   }
   note_terms();
@@ -200,8 +179,7 @@ void ExactSegment::leave_out_decays() {
 bool ExactSegment::ends_with_decay() {
   const double longest = most_of_length_for_decay * length_ / time_constants_of_decay;
   double rate = hidden_decay_;
-  if (outlasts_decay_ || hides_sign_)
-    rate = std::max(rate, linalg::find_cut(linalg::rates_by_speed(space_.flow().a()), longest, 0.0).fast_rate);
+  if (hides_sign_) rate = std::max(rate, linalg::find_cut(linalg::rates_by_speed(space_.flow().a()), longest, 0.0).fast_rate);
   if (!(rate * longest > 1.0)) return false;
   habits_[key_].length = time_constants_of_decay / rate;
   return true;
@@ -224,8 +202,7 @@ double ExactSegment::noise_of_row(int row, double least) const {
   const double relaxed = is_input ? relaxation_ : 1.0;
   const double rounding = relaxed * (is_input ? tolerance::input_rounding : tolerance::voltage_rounding);
   const double held = row < ports && !is_input && jump_voltage_ == 0.0 ? held_[static_cast<std::size_t>(row)] : 0.0;
-  const double known =
-      std::max({rounding * size_of_kind(row), held, tolerance::jump_rounding * jump_voltage_, left_out_[static_cast<std::size_t>(row)]});
+  const double known = std::max({rounding * size_of_kind(row), held, tolerance::jump_rounding * jump_voltage_});
   const double size = std::max(terms_[row], share_of_norm * norm);
   return std::max({relaxed * least, tolerance::row_rounding / share_of_norm * terms_of(row) / norm, known / size});
 }
@@ -240,23 +217,15 @@ void ExactSegment::note_later_rounding() {
   }
 }
 
-/// Guards that the noise of a decay leaves without a sign, whatever a derivative's is, have the noise of the slow motion, too: one that this takes below zero falls, at once or where it passes zero. One that begins below zero and that
-/// the slow motion takes above keeps the noise of the decay.
+/// Guards that the noise of a decay leaves without a sign, whatever a derivative's is, have the noise of the slow motion, too: one that is above zero by more stays there until it passes.
 void ExactSegment::judge_hidden() {
-  if (relaxation_ > 1.0) return;
   for (std::size_t i = 0; i < segment_.rows.size(); ++i) {
     const int row = segment_.rows[i];
-    model::Departure& departure = segment_.departures[i];
     const double later = later_noise_[static_cast<std::size_t>(row)];
-    if (departure.order == 0 || !(later < mode_->guard_noise[row]) || muted_.contains(row)) continue;
-    const double before = std::exchange(mode_->guard_noise[row], noise_of_row(row, later));
-    const double zero = rounding_of(row, segment_.y0), value = guard(row, segment_.y0), slow = slow_start_[static_cast<std::size_t>(row)];
-    if (value > zero)
-      departure = {0, value};
-    else if (value < -zero && slow < -zero)
-      departure = {0, slow};
-    else if (value < -zero)
-      mode_->guard_noise[row] = before;
+    if (segment_.departures[i].order == 0 || !(later < mode_->guard_noise[row])) continue;
+    mode_->guard_noise[row] = noise_of_row(row, later);
+    const double value = guard(row, segment_.y0);
+    if (value > rounding_of(row, segment_.y0)) segment_.departures[i] = {0, value};
   }
 }
 
@@ -323,13 +292,10 @@ bool ExactSegment::has_just_passed(int row) const {
 void ExactSegment::note_passing(int guard) {
   passing_ = guard;
   if (guard >= 0) passed_from_ = on_;
-  passed_zero_ = guard >= 0 && guard < descriptor_.first_switch();
-  if (!passed_zero_) return;
+  if (guard < 0 || guard >= descriptor_.first_switch()) return passed_to_.clear();
   passed_to_ = on_;
   passed_to_[static_cast<std::size_t>(guard)] ^= 1;
   descriptor_.hold_blocked(passed_to_);
-  const std::vector<double>& y = at(passage_.tau);
-  passed_zero_ = std::abs(linalg::row_times(mode_->guards, guard, y.data())) <= rounding_of(guard, y);
 }
 
 /// Whether that guard has passed zero in the very position at hand: what is left of it is no sign.
@@ -337,7 +303,7 @@ bool ExactSegment::is_taken_back(int row) const { return row == passing_ && on_ 
 
 /// Whether its port alone has changed sides. What the port begins with is then a multiple of what was zero when it passed, so that it is zero, be it the voltage that rounding of a current makes
 /// across a leak.
-bool ExactSegment::begins_at_zero(int row) const { return is_passive_ && row == passing_ && passed_zero_ && on_ == passed_to_; }
+bool ExactSegment::begins_at_zero(int row) const { return is_passive_ && row == passing_ && on_ == passed_to_; }
 
 /// Signs right after the start: the first derivative that is not rounding decides. A parabola that dips no deeper than rounding does not fall.
 void ExactSegment::judge_start() {
@@ -365,12 +331,11 @@ void ExactSegment::judge_start() {
   for (std::size_t i = 0; i < segment_.rows.size(); ++i) {
     model::Departure& departure = segment_.departures[i];
     if (departure.order < 0 && passes_at_rest(segment_.rows[i])) negative_.push_back(segment_.rows[i]);
-    if (departure.order > most_derivatives) departure = {-1, 0.0};
     if (departure.order <= 0 && !(departure.order == 0 && departure.value < 0.0)) continue;
     const int row = segment_.rows[i];
     const double value = departure.order == 0 ? departure.value : linalg::row_times(mode_->guards, row, segment_.y0.data());
     const double slope = linalg::row_times(mode_->guards, row, first.data());
-    const double soon = std::min(length_, expected_) * (begins_at_zero(row) ? 1.0 : tolerance::just_passed);
+    const double soon = begins_at_zero(row) ? length_ : tolerance::just_passed * std::min(length_, expected_);
     const bool is_soon_positive = value < 0.0 && slope > 0.0 && value + soon * slope >= 0.0;
     if (is_soon_positive && (departure.value > 0.0 || has_just_passed(row))) rising_.push_back(row);
     if (departure.value > 0.0) continue;
@@ -405,7 +370,7 @@ bool ExactSegment::changes_visibly(const Position& before) {
 
 bool ExactSegment::is_at_zero(int port, const std::vector<double>& y) const {
   const double value = guard(port, y);
-  if (value >= 0.0) return left_out_[static_cast<std::size_t>(port)] > 0.0;
+  if (value >= 0.0) return left_out_[static_cast<std::size_t>(port)] != 0;
   const double rate = guard_rate(port, y);
   if (length_ <= tolerance::unseen_segment * stop_ && -value <= rounding_of(port, y)) return true;
   return -value <= tolerance::shortest_segment * stop_ * std::abs(rate) ||

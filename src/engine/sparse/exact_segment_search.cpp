@@ -78,8 +78,7 @@ std::optional<linalg::WideFastPart> ExactSegment::decays_over(double reach) cons
   return std::nullopt;
 }
 
-/// Decays that are over leave the search to their rates, which are those of leaks behind windings at times, and to intervals of them: it goes on in what is slow, y = Q c. False: there are none, or the
-/// signs at the start depend on them.
+/// Decays that are over leave the search to their rates, which are those of leaks behind windings at times, and to intervals of them: it goes on in what is slow, y = Q c. False: there are none.
 bool ExactSegment::look_without_decays(double reach, Located& located) {
   if (segment_.rows.empty() || segment_.begins_sampled || !(mode_->norm_a * reach > most_time_constants)) return false;
   const std::optional<linalg::WideFastPart> part = decays_over(reach);
@@ -106,7 +105,6 @@ bool ExactSegment::look_without_decays(double reach, Located& located) {
   model::Verifier().departures(mode, segment.y0.data(), segment.rows, departures.data());
   for (std::size_t i = 0; i < departures.size(); ++i) {
     if (segment.departures[i].order == 0) continue;
-    if (departures[i].order >= 0 && departures[i].value < 0.0) return false;
     segment.departures[i] = departures[i];
   }
   look(segment, reach, located);

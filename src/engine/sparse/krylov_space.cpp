@@ -19,7 +19,7 @@ using linalg::Vector;
 
 constexpr double share_of_input = 1e-6;  ///< of the largest current: less is rounding, or a leak
 constexpr double clear_direction = 1e3;  ///< of the rounding of T z: what is left of it has three digits
-constexpr double share_of_integral = 0.1, share_of_start = 1e-3;
+constexpr double share_of_integral = 0.1;
 constexpr double most_growth = 1e3;  ///< of y over a segment: more is made of rounding
 /// Of what the motion begins with: terms, and what each is at most of the one before, but for the first, in which motions may cancel. What shrinks no further is rounding.
 constexpr int most_terms = 40, first_terms = 2;
@@ -345,7 +345,6 @@ const std::vector<KrylovSpace::Checkpoint>& KrylovSpace::estimate(double length)
   work_.resize(2 * m);
   reach_ = first_.cwiseAbs();
   const Vector d = flow_.a().transpose() * last_row_ - shift_ * last_row_;
-  const double at_start = share_of_start * std::abs(last_row_.dot(y));
   const Vector delta = shift_ * (k_.cwiseAbs().transpose() * delta_.head(m));
   double integral = 0.0, slope = std::abs(d.dot(y)), reached = 0.0, rounding = 0.0, push = delta.dot(reach_);
   while (reached < length) {
@@ -357,7 +356,7 @@ const std::vector<KrylovSpace::Checkpoint>& KrylovSpace::estimate(double length)
     integral += 0.5 * (slope_before + slope) * h;
     const double push_before = std::exchange(push, delta.dot(y.cwiseAbs()));
     rounding += 0.5 * (push_before + push) * h;
-    const double error = weight * std::max(at_start, std::abs(last_row_.dot(y)) + share_of_integral * integral);
+    const double error = weight * (std::abs(last_row_.dot(y)) + share_of_integral * integral);
     estimate_.push_back({reached, y.norm() <= most_growth * norm_ && std::isfinite(error) ? error : INFINITY, rounding});
   }
   return estimate_;

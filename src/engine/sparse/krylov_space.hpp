@@ -87,8 +87,7 @@ class KrylovSpace {
   [[nodiscard]] const linalg::Exponential& flow() const { return flow_; }
   /// The fastest oscillation in the space, radians per s; a bound of it where that is not more than `least`.
   [[nodiscard]] double turning(double least) const;
-  /// The error in the norm of the space at up to `checkpoints` times, the last of them length: h|b(τ)| and a tenth of h ∫|b' − b/γ|; and a thousandth of h|b(0)|, which is
-  /// far too large where the start is rough.
+  /// The error in the norm of the space at up to `checkpoints` times, the last of them length: h|b(τ)| and a tenth of h ∫|b' − b/γ|.
   static constexpr int checkpoints = 32;
   /// √energy a second by which y' at the start misses the equations, in the norm of the space.
   [[nodiscard]] double defect_at_start() const;

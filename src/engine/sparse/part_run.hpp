@@ -216,8 +216,7 @@ class PartRun {
   [[nodiscard]] bool share_freely();
   [[nodiscard]] bool correct_rows();
   [[nodiscard]] bool opens_again();
-  [[nodiscard]] bool settle_ties(const std::vector<double>& z, const Position& on, int passing, double h);
-  [[nodiscard]] bool follows_by_ties(const Beginning& beginning, const Position& candidate);
+  [[nodiscard]] bool follows_by_ties(const Beginning& beginning, Position candidate);
   [[nodiscard]] double euler_length(const Beginning& beginning) const;
   [[nodiscard]] double room() const;
   [[nodiscard]] bool follow_segment();
@@ -243,7 +242,6 @@ class PartRun {
   [[nodiscard]] std::vector<std::size_t> backward_impulses(const std::vector<double>& impulses, const std::vector<double>& whole,
                                                            const Position& on, double share) const;
   [[nodiscard]] bool is_jump_of(const Position& on);
-  [[nodiscard]] bool passes_zero_in_jump(const std::vector<double>& impulses, const std::vector<double>& whole, const Position& on) const;
   [[nodiscard]] bool is_continuous();
   [[nodiscard]] double least_distance() const;
   [[nodiscard]] bool moves(const std::vector<double>& states, const std::vector<double>& from, const std::vector<double>& to) const;
@@ -299,7 +297,7 @@ class PartRun {
   bool trusts_jumps_ = false;
   bool may_jump_ = true;                     ///< where a position is sought
   bool decays_jump_ = false;                 ///< likewise, what is too fast to be followed
-  bool passes_jump_ = false;                 ///< likewise, with a port that passes zero
+  bool passes_jump_ = false;                 ///< likewise, of what is given at the start
   std::array<Attempts, 2> rejecting_early_;  ///< of openings, at other instants and where a guard passes
   Position position_ahead_;                  ///< where the passage at hand leads
   double segment_tau_ = 0.0;                 ///< so far

@@ -12,7 +12,6 @@ namespace {
 
 /// States that jump move, all together, by more than so many errors of the segment.
 constexpr double least_errors = 10.0;
-constexpr double most_relaxed = 30.0;  ///< of `same_jump`, where signs agree in no position
 
 }  // namespace
 
@@ -20,7 +19,6 @@ constexpr double most_relaxed = 30.0;  ///< of `same_jump`, where signs agree in
 PartRun::Sought PartRun::take_jump_of(const Point& step, double h) {
   const std::vector<double> impulses = segment_->impulses(), whole = segment_->first_unknowns();
   const double length = segment_->step_length();
-  if (!passes_jump_ && passes_zero_in_jump(impulses, whole, step.on)) return Sought::not_found;
   if (!trusts_jumps_ && !is_jump_of(step.on)) {
     refused_jumps_.push_back(step.on);
     return Sought::not_found;
@@ -106,8 +104,7 @@ std::vector<std::size_t> PartRun::backward_impulses(const std::vector<double>& i
 /// Whether the jump with which the segment begins, to first_, is one of the position. In the Euler step that found it, what flows in its length may have hidden an
 /// impulse backwards: a capacitor that a current discharges in a short time does not jump. One that is backwards by rounding leads where it does with the other sides.
 bool PartRun::is_jump_of(const Position& on) {
-  const double same = tolerance::same_jump * std::min(segment_->relaxation(), most_relaxed);
-  if (segment_->distance(point_.z, first_.z) <= same) return true;
+  const double same = tolerance::same_jump * segment_->relaxation();
   const std::vector<double> impulses = segment_->impulses(), whole = segment_->first_unknowns();
   const std::vector<std::size_t> backward = backward_impulses(impulses, whole, on, tolerance::impulse_rounding);
   if (backward.empty()) return true;
@@ -118,19 +115,6 @@ bool PartRun::is_jump_of(const Position& on) {
   std::vector<double> z;
   segment_->unknowns(segment_->at(0.0), z);
   return segment_->distance(first_.z, z) <= same;
-}
-
-/// Whether a port that blocks takes its impulse in the jump, and blocked before, but is on its wrong side after it: what counts as a jump is then mostly the decay of a current behind leaks, in which
-/// the port turns on.
-bool PartRun::passes_zero_in_jump(const std::vector<double>& impulses, const std::vector<double>& whole, const Position& on) const {
-  const double visible = tolerance::impulse_rounding * largest(whole);
-  const auto passes = [&](int guard) {
-    if (guard >= descriptor_.first_switch() || on[static_cast<std::size_t>(guard)] != 0) return false;
-    const DescriptorPort& port = descriptor_.ports()[static_cast<std::size_t>(guard)];
-    return port.response(false, point_.z.data()) > visible && port.response(false, impulses.data()) > visible;
-  };
-  const std::vector<int>& negative = segment_->negative();
-  return std::any_of(negative.begin(), negative.end(), passes);
 }
 
 /// Whether the segment that is open begins with the states of the instant. Leaves the Euler steps as they are.

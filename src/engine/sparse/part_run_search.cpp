@@ -17,14 +17,14 @@ namespace pwlsim::engine::sparse {
 namespace {
 
 constexpr double euler_share = 1e-4, euler_room = 1.0 / 64.0;  ///< Euler steps, of the segment to come, and of what is known to happen next
-constexpr std::array<double, 5> euler_scales{1.0, 1.0 / 64.0, 16.0, 0x1p-12, 0x1p-18};
+constexpr std::array<double, 4> euler_scales{1.0, 16.0, 0x1p-12, 0x1p-18};
 constexpr double shared_jump = 0.5;           ///< of a jump: how far beside it a step that takes it may end
 constexpr int most_jumps = 8;                 ///< one after the other at an instant
 constexpr int most_flips = 8, few_flips = 2;  ///< rounds
 enum class Ways { directly, directly_or_by_ties, by_steps, all };
 /// Of signs, where they agree in no position; before that solutions with all their digits, where no state jumps, a closer look at what is fast, and, where nothing follows that, its decay as a jump.
-/// A guard whose sign is rounding is first tried on both sides, as steps cost a factor for each length and position. A jump in which a port passes zero is taken only where shorter segments do not
-/// show its passage.
+/// A guard whose sign is rounding is first tried on both sides, as steps cost a factor for each length and position. At the start what is given
+/// jumps by a step only where shorter segments do not follow what is fast.
 struct Relaxation {
   double factor = 1.0;
   bool takes_positive = false;
@@ -32,19 +32,15 @@ struct Relaxation {
   double length = 1.0;
   bool refines = false, jumps = true, decays_jump = false, passes_jump = false;
 };
-constexpr std::array<Relaxation, 13> relaxations{{{.ways = Ways::directly_or_by_ties},
-                                                  {.takes_positive = true, .ways = Ways::directly},
-                                                  {.ways = Ways::by_steps},
-                                                  {.refines = true, .jumps = false},
-                                                  {.takes_positive = true},
-                                                  {.length = 0x1p-12},
-                                                  {.length = 0x1p-24},
-                                                  {.decays_jump = true, .passes_jump = true},
-                                                  {.factor = 30.0, .takes_positive = true, .passes_jump = true},
-                                                  {.factor = 1e3, .takes_positive = true, .passes_jump = true},
-                                                  {.factor = 1e3, .passes_jump = true},
-                                                  {.refines = true, .passes_jump = true},
-                                                  {.takes_positive = true, .refines = true, .passes_jump = true}}};
+constexpr std::array<Relaxation, 9> relaxations{{{.ways = Ways::directly_or_by_ties},
+                                                 {.takes_positive = true, .ways = Ways::directly},
+                                                 {.ways = Ways::by_steps},
+                                                 {.refines = true, .jumps = false},
+                                                 {.takes_positive = true},
+                                                 {.length = 0x1p-12},
+                                                 {.length = 0x1p-24},
+                                                 {.decays_jump = true, .passes_jump = true},
+                                                 {.factor = 30.0, .takes_positive = true, .passes_jump = true}}};
 constexpr double shortest_with_jumps = 1e-5;  ///< of the usual length: in steps for shorter segments impulses leave states no digits
 constexpr char idle_mark = 2;                 ///< of a port that is on and carries nothing
 
@@ -121,10 +117,8 @@ PartRun::Sought PartRun::seek_segment(const Beginning& beginning, Instant& insta
     return take_jump_of(step, h);
   }
   if (segment_->negative().empty()) return Sought::found;
-  const std::vector<double> z = first_.z;
   first_ = step;
-  if (settle_ties(z, on, -1, h) || (open_segment(on) == ExactSegment::Opened::yes && flip_negative(on, most_flips) && is_continuous()))
-    return Sought::found;
+  if (flip_negative(on, most_flips) && is_continuous()) return Sought::found;
   if (!differs || !may_jump_ || segment_->share() < shortest_with_jumps || open_segment(on) != ExactSegment::Opened::yes)
     return Sought::not_found;
   point_.on = on;
@@ -132,34 +126,10 @@ PartRun::Sought PartRun::seek_segment(const Beginning& beginning, Instant& insta
   return take_jump_of(step, h);
 }
 
-/// Whether the Euler step of length h that found the position jumps where the segment does. Where decays jump, it may go on from there, as such a step from the segment's start does. A
-/// segment of many scales may miss the point it begins at.
+/// Whether the Euler step of length h that found the position jumps where the segment does. Where decays jump, it may go on from there, as such a step from the segment's start does.
 bool PartRun::is_shared_by(const Point& step, double h) const {
-  if (segment_->share() < shortest_with_jumps) return false;
-  if (!start_memory_.empty()) return true;
   const std::vector<double> end = decays_jump_ ? segment_->euler_end(h) : first_.z;
   return segment_->distance(step.z, end) <= shared_jump * segment_->distance(point_.z, first_.z);
-}
-
-/// From a point without a jump, in a position that fits it but for ports at zero: these settle among themselves, in steps of several lengths until the signs of
-/// derivatives confirm what they find.
-bool PartRun::settle_ties(const std::vector<double>& z, const Position& on, int passing, double h) {
-  std::vector<double> w;
-  sources_.evaluate(point_.time, w);
-  if (!ties_->find(z, w, on, passing)) return false;
-  std::vector<double> zeta;
-  sources_.states(point_.time, zeta);
-  std::vector<Position> seen;
-  for (const double scale : euler_scales) {
-    Position candidate = on;
-    if (!ties_->decide(z, zeta, scale * h, candidate)) continue;
-    if (std::find(seen.begin(), seen.end(), candidate) != seen.end()) continue;
-    seen.push_back(candidate);
-    if (open_segment(candidate) != ExactSegment::Opened::yes || !segment_->negative().empty() || !is_continuous()) continue;
-    point_.on = candidate;
-    return true;
-  }
-  return false;
 }
 
 /// Ports whose guards depart downwards change sides, a few rounds: diodes first, as what a control reads where they are on a wrong side says nothing, and a switch that it would open,
@@ -210,22 +180,17 @@ bool PartRun::share_freely() {
   std::string flows(on.begin(), on.end());  // what others that carry nothing could share, they may carry the next time
   for (const int port : segment_->idle_ports()) flows[static_cast<std::size_t>(port)] = idle_mark;
   if (unshared_.contains(flows)) return true;
-  std::vector<int> free = segment_->free_ports();
-  bool fits = false;
-  while (!fits && !free.empty()) {
-    if (open_segment(shared) != ExactSegment::Opened::yes || !is_continuous()) break;
-    fits = segment_->negative().empty();
-    const std::size_t before = free.size();
-    for (const int guard : segment_->negative())  // backwards: another loop than that of those that carry something
-      if (std::erase(free, guard) > 0) shared[static_cast<std::size_t>(guard)] = 0;
-    if (!fits && free.size() == before) break;
-  }
+  const std::vector<int> free = segment_->free_ports();
+  const bool is_open = open_segment(shared) == ExactSegment::Opened::yes && is_continuous();
+  const std::vector<int>& negative = segment_->negative();
+  const bool fits = is_open && negative.empty(),
+             none_fits = is_open && std::includes(negative.begin(), negative.end(), free.begin(), free.end());
   const std::vector<int>& idle = segment_->idle_ports();
   if (fits && !std::includes(idle.begin(), idle.end(), free.begin(), free.end())) {
     point_.on = shared;
     return true;
   }
-  if (fits || free.empty()) unshared_.insert(std::move(flows));
+  if (fits || none_fits) unshared_.insert(std::move(flows));
   return opens_again();
 }
 
@@ -240,8 +205,7 @@ bool PartRun::correct_rows() {
   const Point first = point_of_segment(0.0, point_.time, true);
   if (!(certificate_.row_residual(first, {.length = segment_->length()}) > tolerance::doubtful_rows)) return true;
   segment_->refine(true);
-  if (open_segment(point_.on) == ExactSegment::Opened::yes && segment_->negative().empty() &&
-      segment_->distance(first.z, point_of_segment(0.0, point_.time, false).z) <= tolerance::start_rounding) {
+  if (open_segment(point_.on) == ExactSegment::Opened::yes && segment_->negative().empty()) {
     segment_->refine_position();
     return true;
   }
@@ -297,11 +261,19 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
   return false;
 }
 
-/// Where a port passes zero and nothing else happens, no state jumps, and the others stay on their sides but for those at zero.
-bool PartRun::follows_by_ties(const Beginning& beginning, const Position& candidate) {
+/// Where a port passes zero and nothing else happens, no state jumps, and the others stay on their sides but for those at zero: these settle among themselves in a step, if the signs of derivatives
+/// confirm what it finds.
+bool PartRun::follows_by_ties(const Beginning& beginning, Position candidate) {
   const bool is_passage = passing_ >= 0 && passing_ < descriptor_.first_switch();
   if (starting_ || !is_passage || beginning.instant.source_edge || beginning.instant.mode_change) return false;
-  return settle_ties(point_.z, candidate, passing_, euler_length(beginning));
+  std::vector<double> w, zeta;
+  sources_.evaluate(point_.time, w);
+  ties_->find(point_.z, w, candidate, passing_);
+  sources_.states(point_.time, zeta);
+  if (!ties_->decide(point_.z, zeta, euler_length(beginning), candidate)) return false;
+  if (open_segment(candidate) != ExactSegment::Opened::yes || !segment_->negative().empty() || !is_continuous()) return false;
+  point_.on = candidate;
+  return true;
 }
 
 double PartRun::euler_length(const Beginning& beginning) const {

@@ -2,9 +2,7 @@
 /// Selects the sides of ports with zero current and zero voltage.
 ///
 /// At a point without a jump all other ports stay where they are, so that the complementarity problem of a short Euler step is one of the ports in dispute alone, in
-/// its change (start_change.hpp): they are at zero exactly, and the change has digits of its own however short the step. Ports that the change leaves at zero are
-/// in dispute in the change of the change, as those of a multiplier's column where its source is at its peak: with T of krylov_space.hpp, in T z the first derivative
-/// decides, in T² z the second, each to its own digits. What is found is a candidate that the first derivatives of the guards in its segment must confirm.
+/// its change (start_change.hpp): they are at zero exactly, and the change has digits of its own however short the step. What is found is a candidate that the first derivatives of the guards in its segment must confirm.
 ///
 /// van der Schaft and Schumacher, Math. Control Signals Systems 9 (1996): the problem of the first derivatives.
 
@@ -18,11 +16,7 @@ namespace pwlsim::engine::sparse {
 class TieSelector {
  public:
   TieSelector(const Descriptor& descriptor, Factors& factors, const model::Exosystem& exosystem)
-      : descriptor_(descriptor),
-        exosystem_(exosystem),
-        change_(descriptor, exosystem),
-        solver_(descriptor, factors, 0.0),
-        differential_(descriptor.differential_rows()) {
+      : descriptor_(descriptor), change_(descriptor, exosystem), solver_(descriptor, factors, 0.0) {
     solver_.judge_by_rows();
   }
 
@@ -30,25 +24,19 @@ class TieSelector {
   void note_voltage(double voltage) { least_ = voltage; }
   /// Inputs of the point are sums of terms as large as this, volts: in the segment that ends there they may have been far larger than they are now.
   void note_input_terms(double terms) { input_terms_ = terms; }
-  /// Looks for ports at zero in a point whose position is `on`; `passing`: one that is known to be, −1: none. False: there are none.
-  [[nodiscard]] bool find(const std::vector<double>& z, const std::vector<double>& w, const Position& on, int passing);
+  /// Finds the ports at zero in a point whose position is `on`; `passing` is one of them.
+  void find(const std::vector<double>& z, const std::vector<double>& w, const Position& on, int passing);
   /// Their sides after a step of length h, s, in `on`. False: there are none that agree.
   [[nodiscard]] bool decide(const std::vector<double>& z, const std::vector<double>& zeta, double h, Position& on);
   [[nodiscard]] std::uint64_t pivots() const { return solver_.pivots(); }
 
  private:
-  [[nodiscard]] bool keep_undecided(const Position& on);
-  void take_next_order(double h);
-
   const Descriptor& descriptor_;
-  const model::Exosystem& exosystem_;
   StartChange change_;
   PortSolver solver_;  ///< with scales of its own, those of the change
   double least_ = 0.0, input_terms_ = 0.0;
-  std::vector<char> differential_, at_zero_;
-  std::vector<char> disputed_;  ///< of the ports at zero those that are so in all orders before
+  std::vector<char> at_zero_;
   std::vector<double> zero_, none_, step_, z_, right_;
-  linalg::Vector zeta_;  ///< of the order at hand
 };
 
 }  // namespace pwlsim::engine::sparse

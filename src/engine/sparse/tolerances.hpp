@@ -108,9 +108,6 @@ inline constexpr double tied_port_sign = 1e-8;
 /// Of: the largest input, and the terms of a slack.
 /// Why: as `port_sign`: a port with both at zero is in dispute.
 inline constexpr double tied_port = 1e-10;
-/// Of: the largest change of its kind.
-/// Why: as `port_sign`, for what a step makes of a port that is in dispute.
-inline constexpr double undecided_change = 1e-10;
 /// Of: the scale of voltages for currents (times R0), and the other way round.
 /// Why: where one kind is still zero, the other says what counts.
 inline constexpr double cross_scale = 1e-3;
