@@ -124,6 +124,7 @@ bool ExactSegment::resolve() {
     m = std::min(next, most_vectors);
   }
   const bool is_near = best_at > 0 && best <= tolerance::converged_rounding * size_;
+  if (!is_near && !space_.is_sound() && last > 0) space_.shrink(last);  // it shows what turns
   if (!is_near) return false;
   space_.shrink(best_at);
   estimate_ = best;
@@ -281,7 +282,7 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start, 
     present_tolerance_ = tolerance_;
     const bool is_resolved = resolve();
     const bool is_cut = !is_resolved || length_ < length;
-    if (is_cut && (turns_by_more() || takes_shorter_turn()) && shift_for(length) != shift) continue;
+    if ((forgets_turning() || turns_by_more(is_cut) || (is_cut && takes_shorter_turn())) && shift_for(length) != shift) continue;
     const bool has_all = is_resolved && leaves_out_growth() && keeps_digits();
     if (is_resolved && !has_all && takes_longer_turn() && shift_for(length) != shift) continue;
     if (has_all && space_.dimension() > habits_[key_].most_vectors) note_digits(space_.dimension(), true);

@@ -201,6 +201,9 @@ class ExactSegment {
     bool is_regular = false;                           ///< it has had a factor without ε
     Attempts more_vectors;                             ///< than those that have digits
     double turn = usual_turn, longest = longest_turn;  ///< radians in γ
+    bool turns_many_vectors = false;                   ///< the fastest oscillation was one of a space of many vectors
+    bool turns = false;                                ///< it is seen in a space that is made for it, too
+    double no_turning = INFINITY;                      ///< one so fast was nothing but rounding, radians per s
   };
   [[nodiscard]] static std::string key(const Position& on) { return {on.begin(), on.end()}; }
   [[nodiscard]] double steps_wanted() const;
@@ -237,7 +240,8 @@ class ExactSegment {
   [[nodiscard]] bool takes_longer_turn();
   [[nodiscard]] bool takes_shorter_turn();
   [[nodiscard]] bool takes_back(double length);
-  [[nodiscard]] bool turns_by_more();
+  [[nodiscard]] bool turns_by_more(bool is_cut);
+  [[nodiscard]] bool forgets_turning();
   [[nodiscard]] int most_vectors_now();
   void note_digits(int vectors, bool has_all);
   void note_all_decays();

@@ -18,6 +18,8 @@ constexpr double ladder_of_turns =
     std::numbers::sqrt2;              ///< of γ where the fastest oscillation decides it: vectors for each radian depend on it
 constexpr double turn_of_all = 0.85;  ///< radians of it in γ, where all vectors there are do not resolve the length: more ask for too many
 constexpr double longer_turn = 1.0;   ///< the same where a shorter γ leaves no digits
+constexpr double most_turn = 6.0;     ///< where it turns by more, S forgets it in digits that are not there
+constexpr double same_turning = 0.5;  ///< of an oscillation: it is that one
 constexpr double near = 8.0;          ///< a shift that a position has already serves within this factor
 constexpr double nearer = 0.9;        ///< of the distance of another shift, in logarithms
 constexpr double first_share = 1.0 / 64.0;  ///< of the run: a first segment
@@ -45,8 +47,10 @@ bool ExactSegment::is_undecided_by_habit(double longest) {
 
 double ExactSegment::steps_wanted() const { return has_all_decays_ ? steps_for_decays : steps_of_length; }
 
-/// Whether a length wants its 1/γ for the fastest oscillation, not for its own sake.
-bool ExactSegment::is_for_turning(const Habit& habit, double length) const { return habit.turning / habit.turn > steps_wanted() / length; }
+/// Whether a length wants its 1/γ for the fastest oscillation, not for its own sake. A space of few vectors is full at any γ.
+bool ExactSegment::is_for_turning(const Habit& habit, double length) const {
+  return habit.turns_many_vectors && habit.turning / habit.turn > steps_wanted() / length;
+}
 
 double ExactSegment::wanted_shift(const Habit& habit, double length) const {
   return shift_factor_ * std::max(steps_wanted() / length, habit.turning / habit.turn);
@@ -115,13 +119,27 @@ void ExactSegment::note_digits(int vectors, bool has_all) {
   habit.more_vectors.note(has_all);
 }
 
-/// Whether the fastest oscillation turns by more in γ than it should, in a segment that all vectors there are do not resolve, and the position did not know of it.
-bool ExactSegment::turns_by_more() {
+/// Whether the fastest oscillation turns by more in γ than it should, and the position did not know of it. Where all vectors there are follow what is known for many radians, there is none that is faster.
+bool ExactSegment::turns_by_more(bool is_cut) {
   Habit& habit = habits_[key_];
-  if (!space_.is_sound() || space_.dimension() < many_vectors) return false;
-  const double least = turn_of_all * space_.shift(), turning = space_.turning(least);
-  if (!(turning > least) || habit.turning >= turning) return false;
+  if (!space_.is_sound() || (is_cut && space_.dimension() < many_vectors)) return false;
+  if (is_cut && length_ > 0.0 && is_for_turning(habit, length_)) return false;
+  const double least = (is_cut ? turn_of_all : most_turn) * space_.shift(), turning = space_.turning(least);
+  if (!(turning > least) || habit.turning >= turning || turning >= habit.no_turning) return false;
   habit.turning = turning;
+  habit.turns = false;
+  habit.turns_many_vectors |= space_.dimension() >= many_vectors;
+  return true;
+}
+
+/// Of vectors without digits the fastest oscillation is their rounding: a space whose γ is made for it does not have it, and the position has the γ of its length again.
+bool ExactSegment::forgets_turning() {
+  Habit& habit = habits_[key_];
+  if (habit.turns || habit.turning == 0.0 || !space_.is_sound() || !(space_.shift() * most_turn > habit.turning)) return false;
+  habit.turns = space_.turning(0.0) >= same_turning * habit.turning;
+  if (habit.turns) return false;
+  habit.no_turning = same_turning * std::exchange(habit.turning, 0.0);
+  habit.turns_many_vectors = false;
   return true;
 }
 
