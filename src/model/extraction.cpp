@@ -180,7 +180,8 @@ bool Extractor::take_constraints(const LeftNull& null) {
     report_singular(null, nf, nw);
     return false;
   }
-  if (na.size() > 0 && na.cwiseAbs().maxCoeff() > 0.0) {
+  // Waves of passive parts are bounded: what they would be differentiated by is rounding.
+  if (na.size() > 0 && na.cwiseAbs().maxCoeff() > 0.0 && !has_passive_parts_only(network_)) {
     report_improper(assembly_.unknowns, na, diagnostics_);
     return false;
   }

@@ -26,7 +26,7 @@ constexpr int most_no_better_early = 6;
 constexpr int most_cuts = 12, most_extensions = 6, most_doublings = 3;
 constexpr double shorter = 32.0;             ///< a segment that cannot be made is tried again at so small a part
 constexpr double most_rise = 1e6;            ///< of them at the start of a segment: beyond, and beyond what the run has had, are impulses
-constexpr double largest_growth = 1e3;          ///< of a segment's motions, in a passive network: sources move
+constexpr double largest_growth = 1e3;       ///< of a segment's motions, in a passive network: sources move
 constexpr double most_loss = 1e6;            ///< of vectors by orthogonalisation, in roundings
 constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
 constexpr double muting = 30.0, most_muted = 1e6;
@@ -211,7 +211,8 @@ void ExactSegment::stretch(double longest) {
 bool ExactSegment::reaches(double longer) {
   const auto& points = space_.estimate(longer);
   const double most = largest_error(points);
-  if (!(most <= tolerance_for(longer) * size_) || !(points.back().rounding <= tolerance::lengthened_rounding * size_) || !has_digits() || shows_growth(longer))
+  if (!(most <= tolerance_for(longer) * size_) || !(points.back().rounding <= tolerance::lengthened_rounding * size_) || !has_digits() ||
+      shows_growth(longer))
     return false;
   estimate_ = most;
   length_ = longer;
