@@ -51,16 +51,16 @@ class Range {
   [[nodiscard]] double middle_of_gap(double firm) {
     std::sort(sizes_.begin(), sizes_.end());
     const auto width = [&](std::size_t i) { return std::log(sizes_[i] / sizes_[i - 1]); };
-    double widest = 0.0, middle = this->middle(), nearest = INFINITY;
+    const double whole = middle();
+    double widest = 0.0, nearest = INFINITY, chosen = whole;
     for (std::size_t i = 1; i < sizes_.size() && sizes_[i - 1] <= firm; ++i) widest = std::max(widest, width(i));
-    const double whole = middle;
     for (std::size_t i = 1; i < sizes_.size() && sizes_[i - 1] <= firm; ++i) {
       const double between = std::sqrt(sizes_[i - 1]) * std::sqrt(sizes_[i]), away = std::abs(std::log(between / whole));
       if (!(width(i) > share_of_widest * widest) || !(away < nearest)) continue;
       nearest = away;
-      middle = between;
+      chosen = between;
     }
-    return middle;
+    return chosen;
   }
 
  private:

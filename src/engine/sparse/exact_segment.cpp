@@ -26,7 +26,6 @@ constexpr int most_no_better_early = 6;
 constexpr int most_cuts = 12, most_extensions = 6, most_doublings = 3;
 constexpr double shorter = 32.0;             ///< a segment that cannot be made is tried again at so small a part
 constexpr double most_rise = 1e6;            ///< of them at the start of a segment: beyond, and beyond what the run has had, are impulses
-constexpr double largest_growth = 1e3;       ///< of a segment's motions, in a passive network: sources move
 constexpr double most_loss = 1e6;            ///< of vectors by orthogonalisation, in roundings
 constexpr double least_share = 1.0 / 256.0;  ///< of the usual length: shorter ones make no space of their own
 constexpr double muting = 30.0, most_muted = 1e6;
@@ -300,7 +299,7 @@ ExactSegment::Opened ExactSegment::build(Factors& factors, const Origin& start, 
 }
 
 /// In a passive network nothing grows: what does in the space is rounding in its last vectors, and would grow until it is seen.
-bool ExactSegment::shows_growth(double length) { return is_passive_ && !(space_.growth(length) <= largest_growth); }
+bool ExactSegment::shows_growth(double length) { return is_passive_ && space_.grows(length); }
 
 /// With fewer vectors. False: the error is not within the tolerance then.
 bool ExactSegment::leaves_out_growth() {

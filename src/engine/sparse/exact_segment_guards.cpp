@@ -175,7 +175,7 @@ void ExactSegment::leave_out_decays() {
   note_terms();
 }
 
-/// Whether a decay that hides a guard has a segment of its own, which the habit is then made for.
+/// Whether a decay that hides a guard has a segment of its own, which the habit is then made for. One that is made for a slower decay may show a faster one that hides a sign.
 bool ExactSegment::ends_with_decay() {
   const double longest = most_of_length_for_decay * length_ / time_constants_of_decay;
   double rate = hidden_decay_;

@@ -20,7 +20,7 @@ using linalg::Vector;
 constexpr double share_of_input = 1e-6;  ///< of the largest current: less is rounding, or a leak
 constexpr double clear_direction = 1e3;  ///< of the rounding of T z: what is left of it has three digits
 constexpr double share_of_integral = 0.1;
-constexpr double most_growth = 1e3;  ///< of y over a segment: more is made of rounding
+constexpr double most_growth = 1e3;  ///< of y over a segment, sources included: more is made of rounding
 /// Of what the motion begins with: terms, and what each is at most of the one before, but for the first, in which motions may cancel. What shrinks no further is rounding.
 constexpr int most_terms = 40, first_terms = 2;
 constexpr double share_of_term = 0.25;
@@ -362,13 +362,13 @@ const std::vector<KrylovSpace::Checkpoint>& KrylovSpace::estimate(double length)
   return estimate_;
 }
 
-double KrylovSpace::growth(double length) {
+bool KrylovSpace::grows(double length) {
   Vector y(dimension_);
   for (Eigen::Index i = 0; i < y.size(); ++i) y[i] = i % 2 == 0 ? 1.0 : -1.0;
   const double before = y.norm();
   work_.resize(2 * static_cast<std::size_t>(dimension_));
   flow_.apply_once(length, y.data(), work_.data());
-  return y.norm() / before;
+  return !(y.norm() <= most_growth * before);
 }
 
 /// All of a vector at once: forms read it in any order.

@@ -112,8 +112,8 @@ class KrylovSpace {
     double rounding = 0.0;  ///< a bound of ∫ Σ δ_i |c_i| dτ/γ: what the rounding δ_i of T z_i, of which y' is made, adds up to, c = K y
   };
   [[nodiscard]] const std::vector<Checkpoint>& estimate(double length);
-  /// How many times as large a motion of all directions is after that length.
-  [[nodiscard]] double growth(double length);
+  /// Whether a motion in all directions is far larger after that length.
+  [[nodiscard]] bool grows(double length);
   /// h|b(0)|, the error at once, as far as that can be told before the space is full.
   [[nodiscard]] double error_at_start() const { return h_ * std::abs(last_row_.dot(first_)); }
   /// z_{m+1}, which the error is along; zero where the space is full.

@@ -297,7 +297,7 @@ class PartRun {
   bool trusts_jumps_ = false;
   bool may_jump_ = true;                     ///< where a position is sought
   bool decays_jump_ = false;                 ///< likewise, what is too fast to be followed
-  bool passes_jump_ = false;                 ///< likewise, of what is given at the start
+  bool given_jumps_ = false;                 ///< likewise, of what is given at the start
   std::array<Attempts, 2> rejecting_early_;  ///< of openings, at other instants and where a guard passes
   Position position_ahead_;                  ///< where the passage at hand leads
   double segment_tau_ = 0.0;                 ///< so far

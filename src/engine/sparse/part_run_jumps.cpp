@@ -30,7 +30,7 @@ PartRun::Sought PartRun::take_jump_of(const Point& step, double h) {
 
 /// Where impulses leave no digits in a segment that begins before the jump.
 PartRun::Sought PartRun::jump_by_step(const Point& step, double h) {
-  if (starting_ && !passes_jump_)
+  if (starting_ && !given_jumps_)
     return Sought::not_found;  // what is given may be moved by what is fast alone: shorter segments follow that
   const double longest = std::max(room(), break_tolerance_);
   const double length = segment_->step(factors_, {point_.time, step.on, point_.z, start_memory_, longest}, first_.z);

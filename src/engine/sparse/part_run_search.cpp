@@ -30,7 +30,7 @@ struct Relaxation {
   bool takes_positive = false;
   Ways ways = Ways::all;
   double length = 1.0;
-  bool refines = false, jumps = true, decays_jump = false, passes_jump = false;
+  bool refines = false, jumps = true, decays_jump = false, given_jumps = false;
 };
 constexpr std::array<Relaxation, 9> relaxations{{{.ways = Ways::directly_or_by_ties},
                                                  {.takes_positive = true, .ways = Ways::directly},
@@ -39,8 +39,8 @@ constexpr std::array<Relaxation, 9> relaxations{{{.ways = Ways::directly_or_by_t
                                                  {.takes_positive = true},
                                                  {.length = 0x1p-12},
                                                  {.length = 0x1p-24},
-                                                 {.decays_jump = true, .passes_jump = true},
-                                                 {.factor = 30.0, .takes_positive = true, .passes_jump = true}}};
+                                                 {.decays_jump = true, .given_jumps = true},
+                                                 {.factor = 30.0, .takes_positive = true, .given_jumps = true}}};
 constexpr double shortest_with_jumps = 1e-5;  ///< of the usual length: in steps for shorter segments impulses leave states no digits
 constexpr char idle_mark = 2;                 ///< of a port that is on and carries nothing
 
@@ -232,7 +232,7 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
     segment_->refine(relaxation.refines);
     may_jump_ = relaxation.jumps;
     decays_jump_ = relaxation.decays_jump;
-    passes_jump_ = relaxation.passes_jump;
+    given_jumps_ = relaxation.given_jumps;
     stand(before);
     jump_steps_ = {};
     jump_impulses_.clear();
