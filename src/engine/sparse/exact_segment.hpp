@@ -34,10 +34,11 @@ class ExactSegment {
                double stop);
   /// From now on errors count in each state, too, against its size: what has little of the energy has its digits, and what a network amplifies. It must outlive the segment.
   void count_by(const StateScale& scale) { scale_ = &scale; }
-  /// From now on signs of currents count beyond so many times their ordinary rounding, and guards that are positive by less than theirs are so until they
-  /// are seen to pass.
-  void relax(double factor, bool takes_positive) {
+  /// From now on signs of currents count beyond so many times their ordinary rounding, those of all guards beyond so many times a segment's tolerance, and guards that are positive by less than
+  /// that are so until they are seen to pass.
+  void relax(double factor, double noise, bool takes_positive) {
     relaxation_ = factor;
+    noise_ = noise;
     takes_positive_ = takes_positive;
   }
   [[nodiscard]] double relaxation() const { return relaxation_; }
@@ -48,8 +49,8 @@ class ExactSegment {
   void refine(bool does) { refines_ = does; }
   void refine_position() { habits_[key_].refines = true; }
   [[nodiscard]] bool is_refined() const { return refines_ || habits_.at(key_).refines; }
-  /// The guard that has just passed zero, at the end of the segment that is open; −1: none.
-  void note_passing(int guard);
+  /// The guard that has just passed zero, at the end of the segment that is open, and how well that time is known, s; −1: none.
+  void note_passing(int guard, double doubt);
   /// An instant that finds the ports in that position, at z.
   void note_instant(double time, const Position& on, const std::vector<double>& z);
 
@@ -276,7 +277,7 @@ class ExactSegment {
   const Sources& sources_;
   const std::vector<WatchedControl>& controls_;
   const StateScale* scale_ = nullptr;  ///< sizes of states; null: their errors count by energy
-  double tolerance_, stop_, least_voltage_ = 0.0, jump_voltage_ = 0.0, relaxation_ = 1.0, share_ = 1.0, shift_factor_ = 1.0;
+  double tolerance_, stop_, least_voltage_ = 0.0, jump_voltage_ = 0.0, relaxation_ = 1.0, noise_ = 1.0, share_ = 1.0, shift_factor_ = 1.0;
   KrylovSpace space_;
   double start_ = 0.0, length_ = 0.0, peak_ = 0.0, worst_ = 0.0, estimate_ = 0.0, expected_ = 0.0, size_ = 0.0;
   double voltage_ = 0.0, current_ = 0.0;            ///< largest voltage, and other unknown, of the point it starts from, volts
@@ -286,6 +287,7 @@ class ExactSegment {
   bool takes_positive_ = false, refines_ = false;
   bool has_all_decays_ = false;  ///< of all rates: all vectors there are do not resolve them at the usual γ
   int passing_ = -1;
+  double doubt_ = 0.0;        ///< of the time at which it passed, s
   std::vector<double> held_;  ///< of ports: the slack they have, or had, while on, until that is left behind
   Position passed_from_;      ///< where it was seen to
   Position passed_to_;        ///< the same with that port alone on its other side; of a control empty

@@ -14,8 +14,8 @@ namespace pwlsim::engine::sparse {
 
 namespace {
 
-constexpr double noise_of_tolerance = 10.0;  ///< terms of a guard, against the tolerance
-constexpr double beyond_size = 2e2;          ///< times what a guard is measured against, its noise by the norms of row and state hides it
+constexpr double noise_in_doubt = 100.0;  ///< tolerances of a segment, at most, where the time of a passage is in doubt
+constexpr double beyond_size = 2e2;       ///< times what a guard is measured against, its noise by the norms of row and state hides it
 constexpr double time_constants_of_decay = 40.0;  ///< until it is over, to rounding
 constexpr double most_of_length_for_decay = 0.1;  ///< it is worth a segment of its own
 constexpr double beyond_held = 2.0;               ///< of a slack that was held at zero: what is no rounding of it
@@ -108,7 +108,7 @@ void ExactSegment::bound_guards() {
   model::Mode& m = *mode_;
   m.flow = space_.flow();
   bound_mode(m);
-  m.noise = std::max(tolerance::segment_noise, noise_of_tolerance * present_tolerance_);
+  m.noise = noise_ * present_tolerance_;
   note_terms();
   leave_out_decays();
   note_rounding();
@@ -185,11 +185,19 @@ bool ExactSegment::ends_with_decay() {
   return true;
 }
 
-/// Noise of each guard, against the terms of its own row, at the start.
+/// Noise of each guard, against the terms of its own row, at the start. What passes zero within the doubt of the time at which another did passes with it.
 void ExactSegment::note_rounding() {
   model::Mode& m = *mode_;
   m.guard_noise.setConstant(m.guards.rows(), m.noise);
-  for (const int row : segment_.rows) m.guard_noise[row] = noise_of_row(row, m.noise);
+  const double* y = space_.first().data();
+  const linalg::Vector slope = m.flow.a() * space_.first();
+  for (const int row : segment_.rows) {
+    m.guard_noise[row] = noise_of_row(row, m.noise);
+    const double doubt = doubt_ * std::abs(m.guards.row(row).dot(slope));
+    if (!(std::abs(linalg::row_times(m.guards, row, y)) <= doubt)) continue;
+    m.guard_noise[row] =
+        std::max(m.guard_noise[row], std::min(doubt / model::guard_size(m, row, y, share_of_norm), noise_in_doubt * present_tolerance_));
+  }
 }
 
 /// From `least` on.
@@ -289,8 +297,9 @@ bool ExactSegment::has_just_passed(int row) const {
   return controls_[static_cast<std::size_t>(row - ports)].passes_with(controls_[static_cast<std::size_t>(passing_ - ports)], on_);
 }
 
-void ExactSegment::note_passing(int guard) {
+void ExactSegment::note_passing(int guard, double doubt) {
   passing_ = guard;
+  doubt_ = doubt;
   if (guard >= 0) passed_from_ = on_;
   if (guard < 0 || guard >= descriptor_.first_switch()) return passed_to_.clear();
   passed_to_ = on_;

@@ -23,7 +23,7 @@ constexpr int most_jumps = 8;                 ///< one after the other at an ins
 constexpr int most_flips = 8, few_flips = 2;  ///< rounds
 enum class Ways { directly, directly_or_by_ties, by_steps, all };
 /// Of signs, where they agree in no position; before that solutions with all their digits, where no state jumps, a closer look at what is fast, and, where nothing follows that, its decay as a jump.
-/// A guard whose sign is rounding is first tried on both sides, as steps cost a factor for each length and position. At the start what is given
+/// A guard whose sign is rounding is first tried on both sides, and what is fast looked at more closely, as steps cost a factor for each length and position. At the start what is given
 /// jumps by a step only where shorter segments do not follow what is fast.
 struct Relaxation {
   double factor = 1.0;
@@ -32,15 +32,18 @@ struct Relaxation {
   double length = 1.0;
   bool refines = false, jumps = true, decays_jump = false, given_jumps = false;
 };
-constexpr std::array<Relaxation, 9> relaxations{{{.ways = Ways::directly_or_by_ties},
-                                                 {.takes_positive = true, .ways = Ways::directly},
-                                                 {.ways = Ways::by_steps},
-                                                 {.refines = true, .jumps = false},
-                                                 {.takes_positive = true},
-                                                 {.length = 0x1p-12},
-                                                 {.length = 0x1p-24},
-                                                 {.decays_jump = true, .given_jumps = true},
-                                                 {.factor = 30.0, .takes_positive = true, .given_jumps = true}}};
+constexpr std::array<Relaxation, 10> relaxations{{{.ways = Ways::directly_or_by_ties},
+                                                  {.takes_positive = true, .ways = Ways::directly},
+                                                  {.ways = Ways::directly, .length = 0x1p-8},
+                                                  {.ways = Ways::by_steps},
+                                                  {.refines = true, .jumps = false},
+                                                  {.takes_positive = true},
+                                                  {.length = 0x1p-12},
+                                                  {.length = 0x1p-24},
+                                                  {.decays_jump = true, .given_jumps = true},
+                                                  {.factor = 30.0, .takes_positive = true, .given_jumps = true}}};
+/// Tolerances of a segment: what counts as rounding of signs, and where steps find the position, or the run has not moved since the last one.
+constexpr double wide_noise = 100.0;
 constexpr double shortest_with_jumps = 1e-5;  ///< of the usual length: in steps for shorter segments impulses leave states no digits
 constexpr char idle_mark = 2;                 ///< of a port that is on and carries nothing
 
@@ -227,7 +230,8 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
   const bool has_moved = point_.time > segment_->start();  // else guards at rounding could pass each other for ever
   for (const Relaxation& relaxation : relaxations) {
     if (!has_moved && relaxation.takes_positive && relaxation.ways == Ways::directly) continue;
-    segment_->relax(relaxation.factor, relaxation.takes_positive);
+    const bool takes_steps = relaxation.ways == Ways::by_steps || relaxation.ways == Ways::all;
+    segment_->relax(relaxation.factor, takes_steps || !has_moved ? wide_noise : 1.0, relaxation.takes_positive);
     segment_->shorten(relaxation.length);
     segment_->refine(relaxation.refines);
     may_jump_ = relaxation.jumps;
@@ -248,7 +252,7 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
     found = found && share_freely() && correct_rows();
     if (found || !failure_.id.empty()) break;
   }
-  segment_->relax(1.0, false);
+  segment_->relax(1.0, 1.0, false);
   segment_->shorten(1.0);
   segment_->refine(false);
   if (found || !failure_.id.empty()) return found;

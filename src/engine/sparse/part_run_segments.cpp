@@ -40,10 +40,10 @@ bool PartRun::begin_segment() {
   const std::vector<double> states = states_, z = point_.z, memory = start_memory_;
   const int passed = passing_;
   ties_->note_input_terms(segment_->input_terms());
-  segment_->note_passing(passing_);
+  segment_->note_passing(passing_, passage_doubt_);
   segment_->note_instant(time, position_before_, z);
   const bool is_found = find_segment(beginning, instant);
-  segment_->note_passing(passing_ = -1);
+  segment_->note_passing(passing_ = -1, 0.0);
   if (!is_found) return false;
   segment_->accept();
   segment_->note_jump(0.0);
@@ -323,6 +323,7 @@ FallingGuard PartRun::falling(int guard, double rate) const {
 
 void PartRun::pass(const ExactSegment::Passage& passage) {
   restart_due_ = point_.time < request_.stop - tolerance_;
+  passage_doubt_ = 0.0;
   if (!passage.found) {
     if (point_.time < std::min(next_break(), request_.stop)) segment_->note_end(passage.tau);
     return;
@@ -342,7 +343,7 @@ void PartRun::pass(const ExactSegment::Passage& passage) {
     if (passes_with || passes_too(i, y, slope)) position_ahead_[controls_[i].port] ^= 1;
   }
   if (guard < ports) {
-    if (!passive_) passage_doubt_ = segment_->time_doubt(passage.guard, y);
+    passage_doubt_ = segment_->time_doubt(passage.guard, y);
     point_.on[guard] ^= 1;
     position_ahead_[guard] ^= 1;
   }

@@ -222,9 +222,6 @@ inline constexpr double step_rounding = 1e-11;
 
 // Segments
 
-/// Of: the terms of a guard.
-/// Why: what a factor leaves in constraints of index 2.
-inline constexpr double segment_noise = 1e-11;
 /// Of: the largest input.
 /// Why: inputs are solved for from differences of voltages: two digits less than `voltage_rounding`.
 inline constexpr double input_rounding = 1e-12;
