@@ -382,7 +382,7 @@ bool ExactSegment::is_at_zero(int port, const std::vector<double>& y) const {
   if (value >= 0.0) return left_out_[static_cast<std::size_t>(port)] != 0;
   const double rate = guard_rate(port, y);
   if (length_ <= tolerance::unseen_segment * stop_ && -value <= rounding_of(port, y)) return true;
-  return -value <= tolerance::shortest_segment * stop_ * std::abs(rate) ||
+  return -value <= tolerance::no_time * stop_ * std::abs(rate) ||
          (rate > 0.0 && std::find(rising_.begin(), rising_.end(), port) != rising_.end());
 }
 
