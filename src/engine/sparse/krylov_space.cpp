@@ -26,12 +26,12 @@ constexpr int most_terms = 40, first_terms = 2;
 constexpr double share_of_term = 0.25;
 constexpr double least_current = 1e-6;  ///< of the voltages, both in volts: where all begin at zero, a current is no part of itself
 
-/// The rows of G that are rows of E, too.
+/// The rows of G that are rows of E, too, as columns.
 linalg::SparseMatrix conduction_of_stores(const linalg::SparseMatrix& conduction, const std::vector<char>& is_differential) {
   std::vector<double> values = conduction.values;
   for (std::size_t e = 0; e < values.size(); ++e)
     if (is_differential[static_cast<std::size_t>(conduction.pattern.row[e])] == 0) values[e] = 0.0;
-  return linalg::without_zeros(conduction.pattern, values);
+  return linalg::transposed(linalg::without_zeros(conduction.pattern, values), conduction.pattern.size);
 }
 
 }  // namespace
@@ -93,6 +93,7 @@ void KrylovSpace::reserve(int columns) {
   const Eigen::Index cols = std::max<Eigen::Index>(columns, 2 * vectors_.cols());
   vectors_.conservativeResize(n, cols);
   changes_.conservativeResize(n, cols);
+  sums_.conservativeResize(n, cols);
   lost_.conservativeResize(cols);
   delta_.conservativeResize(cols);
   largest_.conservativeResize(4, cols);
@@ -216,7 +217,7 @@ std::vector<double> KrylovSpace::impulses() {
   const Vector c = norm_ * k_.col(0);  // (1 − γ A_m)⁻¹ = 1 + H takes y(0) to norm·e₁
   std::vector<double> z(static_cast<std::size_t>(descriptor_.size()));
   Eigen::Map<Vector>(z.data(), vectors_.rows()) =
-      norm_ * vectors_.col(0) - vectors_.leftCols(dimension_) * c - changes_.leftCols(dimension_) * c;
+      norm_ * vectors_.col(0) - sums_.leftCols(dimension_) * c;
   resting_.add_impulses(given_start_, stores_, shift_, z);
   return z;
 }
@@ -226,7 +227,7 @@ void KrylovSpace::apply(int j) {
   const Vector zeta = zetas_.col(j);
   const Vector change = after_step(exosystem_, 1.0 / shift_, exosystem_.rates(zeta) / shift_);
   right_.resize(static_cast<std::size_t>(descriptor_.size()));
-  linalg::multiply(conduction_of_stores_.pattern, conduction_of_stores_.values, vectors_.col(j).data(), right_.data());
+  linalg::multiply_transposed(conduction_of_stores_, vectors_.col(j).data(), right_.data());
   for (double& value : right_) value = -value;
   add_sources(zeta, right_);
   for (std::size_t i = 0; i < right_.size(); ++i)
@@ -235,6 +236,7 @@ void KrylovSpace::apply(int j) {
   descriptor_.add_sources(w.data(), right_.data());
   solve(right_, w, change[exosystem_.constant()]);
   changes_.col(j) = Eigen::Map<const Vector>(right_.data(), changes_.rows());
+  sums_.col(j) = vectors_.col(j) + changes_.col(j);
   note_largest(vectors_, 0, j);
   note_largest(changes_, 2, j);
   zeta_changes_.col(j) = change;
@@ -374,15 +376,15 @@ bool KrylovSpace::grows(double length) {
 /// All of a vector at once: forms read it in any order.
 Matrix KrylovSpace::rows(const std::vector<Reading>& readings) const {
   Matrix of_vectors(static_cast<Eigen::Index>(readings.size()), dimension_);
-  Vector z, zeta, w;
+  Vector zeta, w;
   for (Eigen::Index j = 0; j < dimension_; ++j) {
-    z = vectors_.col(j) + changes_.col(j);
+    const double* const z = sums_.col(j).data();
     zeta = zetas_.col(j) + zeta_changes_.col(j);
     w = exosystem_.values(zeta);
     const double one = zeta[exosystem_.constant()];
     for (std::size_t i = 0; i < readings.size(); ++i) {
       const Reading& value = readings[i];
-      const double size = value.form != nullptr ? Form::sum(value.form->z, z.data(), source_part(*value.form, w, one))
+      const double size = value.form != nullptr ? Form::sum(value.form->z, z, source_part(*value.form, w, one))
                           : value.unknown >= 0  ? z[value.unknown]
                                                 : 0.0;
       of_vectors(static_cast<Eigen::Index>(i), j) = value.factor * size + value.offset * one;
@@ -394,7 +396,7 @@ Matrix KrylovSpace::rows(const std::vector<Reading>& readings) const {
 Vector KrylovSpace::row_of_unknowns(const Form& form) const {
   Vector sum = Vector::Zero(dimension_);
   for (const Form::IndexedTerm& part : form.z)
-    sum += part.coefficient * (vectors_.row(part.index).head(dimension_) + changes_.row(part.index).head(dimension_)).transpose();
+    sum += part.coefficient * sums_.row(part.index).head(dimension_).transpose();
   return k_.transpose() * sum;
 }
 
@@ -439,7 +441,7 @@ double KrylovSpace::loss() const {
 void KrylovSpace::unknowns(const double* y, std::vector<double>& z) const {
   const Vector c = k_ * Eigen::Map<const Vector>(y, dimension_);
   z.resize(static_cast<std::size_t>(descriptor_.size()));
-  Eigen::Map<Vector>(z.data(), vectors_.rows()) = vectors_.leftCols(dimension_) * c + changes_.leftCols(dimension_) * c;
+  Eigen::Map<Vector>(z.data(), sums_.rows()).noalias() = sums_.leftCols(dimension_) * c;
 }
 
 double KrylovSpace::rounding_at_start() {

@@ -190,7 +190,7 @@ class KrylovSpace {
   std::vector<char> differential_;
   std::vector<double> stores_;  ///< the diagonal of E
   double coupling_ = 1.0;
-  linalg::SparseMatrix conduction_of_stores_;  ///< the rows of G that are rows of E, too
+  linalg::SparseMatrix conduction_of_stores_;  ///< the rows of G that are rows of E, too, as columns
   linalg::SparseMatrix conduction_of_nodes_;   ///< the rows of nodes of |G|, as columns
   std::vector<double> state_weight_;
   std::vector<double> state_sizes_;                             ///< empty: errors count by their energy alone
@@ -206,7 +206,7 @@ class KrylovSpace {
   bool is_assembled_ = false;  ///< the matrix is in `values_`
   bool may_go_on_ = false;     ///< z_{m+1} is a vector, and small
   bool full_ = false, sound_ = true, begins_roughly_ = false, is_refined_ = true, refines_ = false;
-  linalg::Matrix vectors_, changes_;     ///< Z and T Z (unknowns × columns)
+  linalg::Matrix vectors_, changes_, sums_;  ///< Z, T Z, and W, their sum (unknowns × columns)
   linalg::Matrix zetas_, zeta_changes_;  ///< the same of ζ
   linalg::Matrix largest_;               ///< the largest voltage and the largest other unknown of each column of Z, and of T Z
   linalg::Matrix passed_on_;     ///< what each solution's rounding makes of each vector: orthogonalisation adds it up, signs included
