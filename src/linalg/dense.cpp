@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <type_traits>
 #include <vector>
 
@@ -160,6 +161,24 @@ void add_product(const Matrix& m, const double* x, Small<rows>& sum) {
 /// y += A x for four columns: y is read and written once. A and y do not overlap.
 void add_four_columns(const double* __restrict a, Eigen::Index rows, const double* x, double* __restrict y) {
   for (Eigen::Index i = 0; i < rows; ++i) y[i] += (a[i] * x[0] + a[i + rows] * x[1]) + (a[i + 2 * rows] * x[2] + a[i + 3 * rows] * x[3]);
+}
+
+/// Of a symmetric tridiagonal matrix: x is above all eigenvalues where all pivots of x − T are positive. Halving by as much as there are digits.
+double largest_eigenvalue(const Vector& diagonal, const Vector& beside) {
+  const Eigen::Index n = diagonal.size();
+  const auto side = [&](Eigen::Index i) { return i >= 0 && i + 1 < n ? std::abs(beside[i]) : 0.0; };
+  double low = diagonal.maxCoeff(), high = low;
+  for (Eigen::Index i = 0; i < n; ++i) high = std::max(high, diagonal[i] + side(i - 1) + side(i));
+  const auto is_above = [&](double x) {
+    double pivot = x - diagonal[0];
+    for (Eigen::Index i = 1; i < n && pivot > 0.0; ++i) pivot = x - diagonal[i] - beside[i - 1] * beside[i - 1] / pivot;
+    return pivot > 0.0;
+  };
+  for (int i = 0; i < std::numeric_limits<double>::digits; ++i) {
+    const double middle = 0.5 * (low + high);
+    (is_above(middle) ? high : low) = middle;
+  }
+  return high;
 }
 
 }  // namespace
@@ -329,8 +348,8 @@ double rate_of(const Matrix& a) {
 
 double logarithmic_norm(const Matrix& m) {
   if (m.size() == 0) return 0.0;
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(0.5 * (m + m.transpose()), Eigen::EigenvaluesOnly);
-  return eigen.eigenvalues()[m.rows() - 1];
+  const Eigen::Tridiagonalization<Matrix> tridiagonal(0.5 * (m + m.transpose()));
+  return largest_eigenvalue(tridiagonal.diagonal(), tridiagonal.subDiagonal());
 }
 
 }  // namespace pwlsim::linalg

@@ -90,10 +90,11 @@ void ExactSegment::bound_mode(model::Mode& m) {
   m.regular = true;
   m.absolute_a = a.cwiseAbs();
   m.norm_a = a.norm();
-  m.growth = std::max(0.0, linalg::logarithmic_norm(a));
-  if (m.growth > 0.0 && m.n1 > 1) m.scale = linalg::balance(a);  // empty where nothing is to be gained
+  double growth = linalg::logarithmic_norm(a);
+  m.growth = std::max(0.0, growth);
+  if (m.growth > 0.0 && m.n1 > 1) m.scale = linalg::balance(a, growth);  // empty where nothing is to be gained
   if (m.scale.size() > 0) {
-    m.scaled_growth = std::max(0.0, linalg::logarithmic_norm(a));
+    m.scaled_growth = std::max(0.0, growth);
     m.scaled_guard_c_norm = (m.guards * m.scale.asDiagonal()).rowwise().norm();
     m.scaled_input_block_norm.resize(0);
   }
