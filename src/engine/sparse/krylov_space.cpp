@@ -8,6 +8,7 @@
 #include "base/arithmetic.hpp"
 #include "base/disjoint_sets.hpp"
 #include "engine/sparse/tolerances.hpp"
+#include "linalg/columns.hpp"
 #include "linalg/factorisations.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -216,8 +217,7 @@ void KrylovSpace::note_decay(std::vector<std::vector<double>>& decays) const {
 std::vector<double> KrylovSpace::impulses() {
   const Vector c = norm_ * k_.col(0);  // (1 − γ A_m)⁻¹ = 1 + H takes y(0) to norm·e₁
   std::vector<double> z(static_cast<std::size_t>(descriptor_.size()));
-  Eigen::Map<Vector>(z.data(), vectors_.rows()) =
-      norm_ * vectors_.col(0) - sums_.leftCols(dimension_) * c;
+  Eigen::Map<Vector>(z.data(), vectors_.rows()) = norm_ * vectors_.col(0) - sums_.leftCols(dimension_) * c;
   resting_.add_impulses(given_start_, stores_, shift_, z);
   return z;
 }
@@ -260,7 +260,10 @@ void KrylovSpace::add_vector() {
   may_go_on_ = full_ && h > std::max(tolerance::least_direction, clear_direction * delta_[j]);
   if (full_ && !may_go_on_) return;
   note_lost(c, size, h);
-  vectors_.col(j + 1) = (changes_.col(j) - vectors_.leftCols(j + 1) * c) / h;
+  const Vector less = -c;
+  vectors_.col(j + 1) = changes_.col(j);
+  linalg::add_product(linalg::first_columns(vectors_, j + 1), less.data(), vectors_.col(j + 1).data());
+  vectors_.col(j + 1) /= h;
   zetas_.col(j + 1) = (zeta_changes_.col(j) - zetas_.leftCols(j + 1) * c) / h;
   measured_.col(j + 1) = x / h;
 }
@@ -338,11 +341,14 @@ double KrylovSpace::weight_of_error() const {
   return std::min(weight, tolerance::most_weight_of_error);
 }
 
+/// Of checkpoints over a length: a power of two, for which the flow keeps its matrix.
+double KrylovSpace::step_of(double length) { return std::exp2(std::ceil(std::log2(length / checkpoints))); }
+
 const std::vector<KrylovSpace::Checkpoint>& KrylovSpace::estimate(double length) {
   const int m = dimension_;
   estimate_.clear();
   const double weight = weight_of_error() * h_;
-  const double step = std::exp2(std::ceil(std::log2(length / checkpoints)));  // whose powers the flow keeps
+  const double step = step_of(length);
   Vector y = first_;
   work_.resize(2 * m);
   reach_ = first_.cwiseAbs();
@@ -369,7 +375,8 @@ bool KrylovSpace::grows(double length) {
   for (Eigen::Index i = 0; i < y.size(); ++i) y[i] = i % 2 == 0 ? 1.0 : -1.0;
   const double before = y.norm();
   work_.resize(2 * static_cast<std::size_t>(dimension_));
-  flow_.apply_once(length, y.data(), work_.data());
+  const double step = step_of(length);
+  for (double left = length; left > 0.0; left -= step) flow_.apply_once(std::min(step, left), y.data(), work_.data());
   return !(y.norm() <= most_growth * before);
 }
 
@@ -395,8 +402,7 @@ Matrix KrylovSpace::rows(const std::vector<Reading>& readings) const {
 
 Vector KrylovSpace::row_of_unknowns(const Form& form) const {
   Vector sum = Vector::Zero(dimension_);
-  for (const Form::IndexedTerm& part : form.z)
-    sum += part.coefficient * sums_.row(part.index).head(dimension_).transpose();
+  for (const Form::IndexedTerm& part : form.z) sum += part.coefficient * sums_.row(part.index).head(dimension_).transpose();
   return k_.transpose() * sum;
 }
 
@@ -440,8 +446,8 @@ double KrylovSpace::loss() const {
 
 void KrylovSpace::unknowns(const double* y, std::vector<double>& z) const {
   const Vector c = k_ * Eigen::Map<const Vector>(y, dimension_);
-  z.resize(static_cast<std::size_t>(descriptor_.size()));
-  Eigen::Map<Vector>(z.data(), sums_.rows()).noalias() = sums_.leftCols(dimension_) * c;
+  z.assign(static_cast<std::size_t>(descriptor_.size()), 0.0);
+  linalg::add_product(linalg::first_columns(sums_, dimension_), c.data(), z.data());
 }
 
 double KrylovSpace::rounding_at_start() {

@@ -161,6 +161,7 @@ class KrylovSpace {
   void close(const linalg::Vector& w, double one, std::vector<double>& r) const;
   [[nodiscard]] double source_part(const Form& form, const linalg::Vector& w, double one) const;
   [[nodiscard]] bool contradicts(const std::vector<double>& z, const linalg::Vector& w, double one) const;
+  [[nodiscard]] static double step_of(double length);
   [[nodiscard]] double weight_of_error() const;
   void measure(const std::vector<double>& z, const linalg::Vector& zeta, double* x) const;
   [[nodiscard]] double largest_conducted(const std::vector<double>& z);
@@ -207,8 +208,8 @@ class KrylovSpace {
   bool may_go_on_ = false;     ///< z_{m+1} is a vector, and small
   bool full_ = false, sound_ = true, begins_roughly_ = false, is_refined_ = true, refines_ = false;
   linalg::Matrix vectors_, changes_, sums_;  ///< Z, T Z, and W, their sum (unknowns × columns)
-  linalg::Matrix zetas_, zeta_changes_;  ///< the same of ζ
-  linalg::Matrix largest_;               ///< the largest voltage and the largest other unknown of each column of Z, and of T Z
+  linalg::Matrix zetas_, zeta_changes_;      ///< the same of ζ
+  linalg::Matrix largest_;                   ///< the largest voltage and the largest other unknown of each column of Z, and of T Z
   linalg::Matrix passed_on_;     ///< what each solution's rounding makes of each vector: orthogonalisation adds it up, signs included
   linalg::Vector delta_;         ///< rounding of T z of each vector, in the norm of the space
   linalg::Vector lost_;          ///< rounding of a vector in that of its largest terms: what orthogonalisation costs
@@ -216,7 +217,7 @@ class KrylovSpace {
   linalg::Matrix h_matrix_, k_;  ///< H (one row more than columns) and K
   linalg::Vector first_, last_row_, reach_;  ///< y(0), eᵀK, max |y|
   linalg::Exponential flow_;
-  std::vector<double> right_, product_, sizes_, values_, work_;
+  std::vector<double> right_, product_, sizes_, conducted_, values_, work_;
   std::vector<long double> wide_;
   std::vector<Checkpoint> estimate_;
   std::vector<double> given_start_, start_;  ///< z₀ as it was given, and without what carries nothing
