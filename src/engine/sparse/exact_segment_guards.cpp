@@ -151,7 +151,7 @@ void ExactSegment::leave_out_decays() {
   for (const int row : segment_.rows)
     if (share_of_norm * m.guard_norm[row] * norm > beyond_size * std::max(size_of_kind(row), terms_[row])) far.push_back(row);
   if (far.empty()) return;
-  const std::optional<linalg::FastPart> part = linalg::fast_part(m.flow.a());
+  const std::optional<linalg::FastPart> part = linalg::fast_part(m.flow.a(), space_.rates_of_motions());
   if (!part) return;
   const linalg::Vector decays = part->coordinates * y;
   const bool is_seen = length_ > tolerance::unseen_segment * stop_;
@@ -180,7 +180,7 @@ void ExactSegment::leave_out_decays() {
 bool ExactSegment::ends_with_decay() {
   const double longest = most_of_length_for_decay * length_ / time_constants_of_decay;
   double rate = hidden_decay_;
-  if (hides_sign_) rate = std::max(rate, linalg::find_cut(linalg::rates_by_speed(space_.flow().a()), longest, 0.0).fast_rate);
+  if (hides_sign_) rate = std::max(rate, linalg::find_cut(space_.rates_of_motions(), longest, 0.0).fast_rate);
   if (!(rate * longest > 1.0)) return false;
   habits_[key_].length = time_constants_of_decay / rate;
   return true;

@@ -10,6 +10,7 @@
 #include "engine/sparse/tolerances.hpp"
 #include "linalg/columns.hpp"
 #include "linalg/factorisations.hpp"
+#include "linalg/hessenberg_eigenvalues.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -300,6 +301,7 @@ void KrylovSpace::shrink(int m) {
 }
 
 void KrylovSpace::reduce() {
+  rates_of_motions_.reset();
   const int m = dimension_;
   const Matrix h = h_matrix_.topLeftCorner(m, m), one = Matrix::Identity(m, m) + h;
   k_ = Eigen::PartialPivLU<Matrix>(one).inverse();
@@ -323,7 +325,19 @@ KrylovSpace::Relation KrylovSpace::relation() const {
 double KrylovSpace::turning(double least) const {
   const Matrix& a = flow_.a();
   const double bound = 0.5 * (a - a.transpose()).norm();  // Bendixson
-  return bound > least ? a.eigenvalues().imag().cwiseAbs().maxCoeff() : bound;
+  if (!(bound > least)) return bound;
+  double fastest = 0.0;
+  for (const std::complex<double>& rate : rates_of_motions()) fastest = std::max(fastest, std::abs(rate.imag()));
+  return fastest;
+}
+
+/// A_m = H (1 + H)⁻¹/γ has the eigenvectors of H.
+const linalg::Rates& KrylovSpace::rates_of_motions() const {
+  if (rates_of_motions_) return *rates_of_motions_;
+  linalg::Rates& rates = rates_of_motions_.emplace(linalg::hessenberg_eigenvalues(h_matrix_.topLeftCorner(dimension_, dimension_)));
+  for (std::complex<double>& rate : rates) rate *= shift_ / (1.0 + rate);
+  std::sort(rates.begin(), rates.end(), [](const auto& x, const auto& y) { return std::abs(x) > std::abs(y); });
+  return rates;
 }
 
 double KrylovSpace::defect_at_start() const { return h_ * std::abs(last_row_.dot(flow_.a() * first_) - shift_ * last_row_.dot(first_)); }

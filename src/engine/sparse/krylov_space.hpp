@@ -23,6 +23,7 @@
 #include "engine/sparse/start_change.hpp"
 #include "linalg/dense.hpp"
 #include "linalg/exponential.hpp"
+#include "linalg/fast_decays.hpp"
 #include "model/exosystem.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -87,6 +88,8 @@ class KrylovSpace {
   [[nodiscard]] const linalg::Exponential& flow() const { return flow_; }
   /// The fastest oscillation in the space, radians per s; a bound of it where that is not more than `least`.
   [[nodiscard]] double turning(double least) const;
+  /// Rates of the motions in it, the fastest first, 1/s. Empty where they do not converge.
+  [[nodiscard]] const linalg::Rates& rates_of_motions() const;
   /// The error in the norm of the space at up to `checkpoints` times, the last of them length: h|b(τ)| and a tenth of h ∫|b' − b/γ|.
   static constexpr int checkpoints = 32;
   /// √energy a second by which y' at the start misses the equations, in the norm of the space.
@@ -217,6 +220,7 @@ class KrylovSpace {
   linalg::Matrix h_matrix_, k_;  ///< H (one row more than columns) and K
   linalg::Vector first_, last_row_, reach_;  ///< y(0), eᵀK, max |y|
   linalg::Exponential flow_;
+  mutable std::optional<linalg::Rates> rates_of_motions_;
   std::vector<double> right_, product_, sizes_, conducted_, values_, work_;
   std::vector<long double> wide_;
   std::vector<Checkpoint> estimate_;
