@@ -4,6 +4,7 @@
 
 using pwlsim::linalg::fast_part;
 using pwlsim::linalg::Matrix;
+using pwlsim::linalg::rates_by_speed;
 using pwlsim::linalg::Vector;
 
 namespace {

@@ -11,6 +11,7 @@
 #include "linalg/columns.hpp"
 #include "linalg/factorisations.hpp"
 #include "linalg/hessenberg_eigenvalues.hpp"
+#include "linalg/small.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -389,7 +390,7 @@ bool KrylovSpace::grows(double length) {
   for (Eigen::Index i = 0; i < y.size(); ++i) y[i] = i % 2 == 0 ? 1.0 : -1.0;
   const double before = y.norm();
   work_.resize(2 * static_cast<std::size_t>(dimension_));
-  const double step = step_of(length);
+  const double step = dimension_ > linalg::largest_small ? step_of(length) : length;  // small matrices are squared faster than that
   for (double left = length; left > 0.0; left -= step) flow_.apply_once(std::min(step, left), y.data(), work_.data());
   return !(y.norm() <= most_growth * before);
 }
