@@ -15,7 +15,7 @@ constexpr double share_of_diagonal = 0.1;
 
 }  // namespace
 
-Vector balance(Matrix& m) {
+Vector balance(Matrix& m, double& growth) {
   Matrix balanced = m;
   Vector scale = Vector::Ones(m.rows());
   bool changed = true;
@@ -34,8 +34,10 @@ Vector balance(Matrix& m) {
       changed = true;
     }
   }
-  if (!(logarithmic_norm(balanced) < worthwhile * logarithmic_norm(m))) return {};
+  const double left = logarithmic_norm(balanced);
+  if (!(left < worthwhile * growth)) return {};
   m = balanced;
+  growth = left;
   return scale;
 }
 

@@ -5,8 +5,8 @@
 
 namespace pwlsim::linalg {
 
-/// Powers of two s for which rows and columns of S⁻¹MS have similar norms; M becomes that matrix. Empty, with M unchanged, if its logarithmic norm does not become
-/// much smaller.
-[[nodiscard]] Vector balance(Matrix& m);
+/// Powers of two s for which rows and columns of S⁻¹MS have similar norms; M becomes that matrix, and `growth`, its logarithmic norm, that of it. Empty, with both unchanged, if that does not
+/// become much smaller.
+[[nodiscard]] Vector balance(Matrix& m, double& growth);
 
 }  // namespace pwlsim::linalg

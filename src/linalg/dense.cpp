@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <type_traits>
 #include <vector>
 
+#include "linalg/columns.hpp"
 #include "linalg/factorisations.hpp"
 #include "linalg/small.hpp"
 
@@ -157,9 +159,22 @@ void add_product(const Matrix& m, const double* x, Small<rows>& sum) {
   for (Eigen::Index j = 0; j < columns; ++j, a += rows) sum.add_multiple(a, x[j]);
 }
 
-/// y += A x for four columns: y is read and written once. A and y do not overlap.
-void add_four_columns(const double* __restrict a, Eigen::Index rows, const double* x, double* __restrict y) {
-  for (Eigen::Index i = 0; i < rows; ++i) y[i] += (a[i] * x[0] + a[i + rows] * x[1]) + (a[i + 2 * rows] * x[2] + a[i + 3 * rows] * x[3]);
+/// Of a symmetric tridiagonal matrix: x is above all eigenvalues where all pivots of x − T are positive. Halving by as much as there are digits.
+double largest_eigenvalue(const Vector& diagonal, const Vector& beside) {
+  const Eigen::Index n = diagonal.size();
+  const auto side = [&](Eigen::Index i) { return i >= 0 && i + 1 < n ? std::abs(beside[i]) : 0.0; };
+  double low = diagonal.maxCoeff(), high = low;
+  for (Eigen::Index i = 0; i < n; ++i) high = std::max(high, diagonal[i] + side(i - 1) + side(i));
+  const auto is_above = [&](double x) {
+    double pivot = x - diagonal[0];
+    for (Eigen::Index i = 1; i < n && pivot > 0.0; ++i) pivot = x - diagonal[i] - beside[i - 1] * beside[i - 1] / pivot;
+    return pivot > 0.0;
+  };
+  for (int i = 0; i < std::numeric_limits<double>::digits; ++i) {
+    const double middle = 0.5 * (low + high);
+    (is_above(middle) ? high : low) = middle;
+  }
+  return high;
 }
 
 }  // namespace
@@ -176,17 +191,8 @@ void multiply(const Matrix& m, const double* x, double* y) {
     sum.store(y);
   });
   if (small) return;
-  const double* a = m.data();
-  const Eigen::Index columns = m.cols();
-  const Eigen::Index rows = m.rows();
-  std::fill(y, y + rows, 0.0);
-  Eigen::Index j = 0;
-  // Sources at rest, and the inputs of derivatives, are zero throughout.
-  for (; j + 4 <= columns; j += 4, a += 4 * rows)
-    if (x[j] != 0.0 || x[j + 1] != 0.0 || x[j + 2] != 0.0 || x[j + 3] != 0.0) add_four_columns(a, rows, x + j, y);
-  for (; j < columns; ++j, a += rows)
-    if (x[j] != 0.0)
-      for (Eigen::Index i = 0; i < rows; ++i) y[i] += a[i] * x[j];
+  std::fill(y, y + m.rows(), 0.0);
+  add_product(first_columns(m, m.cols()), x, y);
 }
 
 void multiply_sparse(const Matrix& m, const double* x, Vector& rows) {
@@ -204,8 +210,7 @@ void multiply_two(const Matrix& m, const double* x, const Matrix& n, const doubl
   });
   if (small) return;
   multiply(m, x, z);
-  for (Eigen::Index j = 0; j < n.cols(); ++j)
-    for (Eigen::Index i = 0; i < n.rows(); ++i) z[i] += n(i, j) * y[j];
+  add_product(first_columns(n, n.cols()), y, z);
 }
 
 void multiply_repeatedly(const Matrix& a, int k, double* powers) {
@@ -236,11 +241,14 @@ WideMatrix columns_of(const WideMatrix& m, const std::vector<int>& numbers) {
 
 double append_to_hessenberg(const Eigen::Ref<const Matrix>& basis, Vector& x, Matrix& h) {
   const Eigen::Index j = basis.cols();
+  const DenseColumns columns = first_columns(basis, j);
   Vector taken = Vector::Zero(j);
   for (int sweep = 0; sweep < 2; ++sweep) {
-    const Vector more = basis.transpose() * x;
-    x.noalias() -= basis * more;
+    Vector more = Vector::Zero(j);
+    add_transposed_product(columns, x.data(), more.data());
     taken += more;
+    more = -more;
+    add_product(columns, more.data(), x.data());
   }
   const double norm = x.norm();
   h.conservativeResize(j + 1, j);
@@ -329,8 +337,8 @@ double rate_of(const Matrix& a) {
 
 double logarithmic_norm(const Matrix& m) {
   if (m.size() == 0) return 0.0;
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(0.5 * (m + m.transpose()), Eigen::EigenvaluesOnly);
-  return eigen.eigenvalues()[m.rows() - 1];
+  const Eigen::Tridiagonalization<Matrix> tridiagonal(0.5 * (m + m.transpose()));
+  return largest_eigenvalue(tridiagonal.diagonal(), tridiagonal.subDiagonal());
 }
 
 }  // namespace pwlsim::linalg

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "linalg/columns.hpp"
 #include "linalg/small.hpp"
 #include "linalg/tolerances.hpp"
 
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double radius = 1.0;  ///< rate·τ up to which the series is summed directly
 constexpr int most_terms = 60;
+constexpr Eigen::Index most_by_columns = 64;  ///< of a matrix whose products are made column by column
 /// A matrix costs as much as going over so many intervals without it, at least, and one for each state.
 constexpr Eigen::Index least_worth_a_matrix = 4;
 /// What an interval that recurs is worth against those that do not: a use, and the most of it that counts.
@@ -63,6 +65,14 @@ void small_minus_identity(const double* a, double tau, double* x) {
   }
 }
 
+/// X Y, by columns as long as X stays in the cache.
+Matrix product_of(const Matrix& x, const Matrix& y) {
+  if (x.cols() > most_by_columns) return x * y;
+  Matrix result = Matrix::Zero(x.rows(), y.cols());
+  for (Eigen::Index j = 0; j < y.cols(); ++j) add_product(first_columns(x, x.cols()), y.col(j).data(), result.col(j).data());
+  return result;
+}
+
 /// e^{2Aτ} − I from X = e^{Aτ} − I.
 Matrix squared(const Matrix& x) {
   Matrix result = 2.0 * x;
@@ -75,7 +85,7 @@ Matrix squared(const Matrix& x) {
       sum.store(column);
     }
   });
-  if (!small) result += x * x;
+  if (!small) result += product_of(x, x);
   return result;
 }
 
@@ -85,9 +95,9 @@ double column_norm(const Matrix& x) { return x.cwiseAbs().colwise().sum().maxCoe
 Matrix polynomial_minus_identity(const Matrix& x) {
   constexpr int group = 4;
   static_assert(most_terms % group == 0);
-  std::array<Matrix, group> power{x, x * x};
-  power[2] = power[1] * x;
-  power[3] = power[1] * power[1];
+  std::array<Matrix, group> power{x, product_of(x, x)};
+  power[2] = product_of(power[1], x);
+  power[3] = product_of(power[1], power[1]);
   std::array<double, group> size{};
   std::transform(power.begin(), power.end(), size.begin(), column_norm);
   std::vector<double> factor;  // 1/k!
@@ -107,7 +117,7 @@ Matrix polynomial_minus_identity(const Matrix& x) {
   Matrix sum = sum_of(first);
   while (first > 0) {
     first -= group;
-    sum = power[3] * sum + sum_of(first);
+    sum = product_of(power[3], sum) + sum_of(first);
   }
   return sum;
 }
@@ -245,10 +255,9 @@ Matrix Exponential::taylor_minus_identity(double tau) const {
 
 const Matrix& Exponential::power(int p) const {
   const auto found = powers_.find(p);
-  if (found != powers_.end()) return found->second;
-  if (p <= base_) return powers_[p] = taylor_minus_identity(std::ldexp(1.0, p));
-  const Matrix& half = power(p - 1);
-  return powers_[p] = squared(half);
+  if (found != powers_.end()) return *found->second;
+  Matrix x = p <= base_ ? taylor_minus_identity(std::ldexp(1.0, p)) : squared(power(p - 1));
+  return *(powers_[p] = std::make_shared<const Matrix>(std::move(x)));
 }
 
 Matrix Exponential::minus_identity(double tau) const {

@@ -45,8 +45,8 @@ class Exponential {
 
   Matrix a_;
   double rate_ = 0.0;
-  int base_ = 0;  ///< 2^base·rate ≤ radius
-  mutable std::map<int, Matrix> powers_;
+  int base_ = 0;                                                 ///< 2^base·rate ≤ radius
+  mutable std::map<int, std::shared_ptr<const Matrix>> powers_;  ///< copies share them
   /// Intervals that recur up to rounding (a switching period) get their own matrix; the rounding is corrected to first order.
   struct Recurring {
     double tau = 0.0;

@@ -114,8 +114,7 @@ WideMatrix dominant_subspace(const WideMatrix& s, WideMatrix start, Index dimens
   return basis;
 }
 
-std::optional<FastPart> fast_part(const Matrix& a) {
-  const Rates rates = rates_by_speed(a);
+std::optional<FastPart> fast_part(const Matrix& a, const Rates& rates) {
   if (rates.empty()) return std::nullopt;
   const double slowest = std::abs(rates.back());
   Cut cut = find_cut(rates, INFINITY, slowest);

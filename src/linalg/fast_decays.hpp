@@ -57,7 +57,7 @@ struct WideFastPart {
 /// Of the `count` fastest motions. None where they are not told apart.
 [[nodiscard]] std::optional<WideFastPart> fast_part(const Matrix& a, Eigen::Index count);
 
-/// None where A has no such decays, whatever their time constants.
-[[nodiscard]] std::optional<FastPart> fast_part(const Matrix& a);
+/// `rates`: those of A. None where it has no such decays, whatever their time constants.
+[[nodiscard]] std::optional<FastPart> fast_part(const Matrix& a, const Rates& rates);
 
 }  // namespace pwlsim::linalg

@@ -75,22 +75,35 @@ SparseMatrix transposed(const SparseMatrix& matrix, int rows) {
 }
 
 void multiply(const SparsePattern& pattern, const std::vector<double>& values, const double* x, double* y) {
+  const int *const start = pattern.start.data(), *const row = pattern.row.data();
+  const double* const value = values.data();
   std::fill(y, y + pattern.size, 0.0);
   for (int j = 0; j < pattern.size; ++j) {
     const double factor = x[j];
     if (factor == 0.0) continue;
-    for (int k = pattern.start[static_cast<std::size_t>(j)]; k < pattern.start[static_cast<std::size_t>(j) + 1]; ++k)
-      y[pattern.row[static_cast<std::size_t>(k)]] += values[static_cast<std::size_t>(k)] * factor;
+    for (int k = start[j]; k < start[j + 1]; ++k) y[row[k]] += value[k] * factor;
+  }
+}
+
+void multiply_transposed(const SparseMatrix& a, const double* x, double* y) {
+  const int *const start = a.pattern.start.data(), *const row = a.pattern.row.data();
+  const double* const value = a.values.data();
+  for (int j = 0; j < a.pattern.size; ++j) {
+    double sum = 0.0;
+    int k = start[j];
+    for (; k + 1 < start[j + 1]; k += 2) sum = (sum + value[k] * x[row[k]]) + value[k + 1] * x[row[k + 1]];
+    y[j] = k < start[j + 1] ? sum + value[k] * x[row[k]] : sum;
   }
 }
 
 void multiply_absolute(const SparsePattern& pattern, const std::vector<double>& values, const double* x, double* y) {
+  const int *const start = pattern.start.data(), *const row = pattern.row.data();
+  const double* const value = values.data();
   std::fill(y, y + pattern.size, 0.0);
   for (int j = 0; j < pattern.size; ++j) {
     const double factor = x[j];
     if (factor == 0.0) continue;
-    for (int k = pattern.start[static_cast<std::size_t>(j)]; k < pattern.start[static_cast<std::size_t>(j) + 1]; ++k)
-      y[pattern.row[static_cast<std::size_t>(k)]] += std::abs(values[static_cast<std::size_t>(k)] * factor);
+    for (int k = start[j]; k < start[j + 1]; ++k) y[row[k]] += std::abs(value[k] * factor);
   }
 }
 

@@ -47,6 +47,8 @@ struct SparseMatrix {
 
 /// y = A x. y must not alias x.
 void multiply(const SparsePattern& pattern, const std::vector<double>& values, const double* x, double* y);
+/// y = Aᵀ x, of as many entries as A has columns.
+void multiply_transposed(const SparseMatrix& a, const double* x, double* y);
 /// y = |A| |x|.
 void multiply_absolute(const SparsePattern& pattern, const std::vector<double>& values, const double* x, double* y);
 

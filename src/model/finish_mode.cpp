@@ -26,8 +26,9 @@ void set_flow(const System& system, Mode& m, Matrix a) {
     m.growth = std::max(0.0, linalg::logarithmic_norm(a1));
     if (m.growth < tolerance::growth * own_rate) m.growth = 0.0;
     if (m.growth > 0.0 && m.n1 > 1) {
-      m.scale = linalg::balance(a1);
-      m.scaled_growth = std::max(0.0, linalg::logarithmic_norm(a1));
+      double scaled = m.growth;
+      m.scale = linalg::balance(a1, scaled);
+      m.scaled_growth = std::max(0.0, scaled);
     }
   }
   m.piecewise_linear = m.n1 == 0 && !system.exosystem->has_curved();

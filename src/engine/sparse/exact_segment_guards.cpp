@@ -90,10 +90,11 @@ void ExactSegment::bound_mode(model::Mode& m) {
   m.regular = true;
   m.absolute_a = a.cwiseAbs();
   m.norm_a = a.norm();
-  m.growth = std::max(0.0, linalg::logarithmic_norm(a));
-  if (m.growth > 0.0 && m.n1 > 1) m.scale = linalg::balance(a);  // empty where nothing is to be gained
+  double growth = linalg::logarithmic_norm(a);
+  m.growth = std::max(0.0, growth);
+  if (m.growth > 0.0 && m.n1 > 1) m.scale = linalg::balance(a, growth);  // empty where nothing is to be gained
   if (m.scale.size() > 0) {
-    m.scaled_growth = std::max(0.0, linalg::logarithmic_norm(a));
+    m.scaled_growth = std::max(0.0, growth);
     m.scaled_guard_c_norm = (m.guards * m.scale.asDiagonal()).rowwise().norm();
     m.scaled_input_block_norm.resize(0);
   }
@@ -150,7 +151,7 @@ void ExactSegment::leave_out_decays() {
   for (const int row : segment_.rows)
     if (share_of_norm * m.guard_norm[row] * norm > beyond_size * std::max(size_of_kind(row), terms_[row])) far.push_back(row);
   if (far.empty()) return;
-  const std::optional<linalg::FastPart> part = linalg::fast_part(m.flow.a());
+  const std::optional<linalg::FastPart> part = linalg::fast_part(m.flow.a(), space_.rates_of_motions());
   if (!part) return;
   const linalg::Vector decays = part->coordinates * y;
   const bool is_seen = length_ > tolerance::unseen_segment * stop_;
@@ -179,7 +180,7 @@ void ExactSegment::leave_out_decays() {
 bool ExactSegment::ends_with_decay() {
   const double longest = most_of_length_for_decay * length_ / time_constants_of_decay;
   double rate = hidden_decay_;
-  if (hides_sign_) rate = std::max(rate, linalg::find_cut(linalg::rates_by_speed(space_.flow().a()), longest, 0.0).fast_rate);
+  if (hides_sign_) rate = std::max(rate, linalg::find_cut(space_.rates_of_motions(), longest, 0.0).fast_rate);
   if (!(rate * longest > 1.0)) return false;
   habits_[key_].length = time_constants_of_decay / rate;
   return true;

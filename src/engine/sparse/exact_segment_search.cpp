@@ -61,7 +61,7 @@ double ExactSegment::last_zero(int row, double tau) {
 /// The most of the fastest decays that are over when the segment begins: what they add to a guard is below its rounding.
 std::optional<linalg::WideFastPart> ExactSegment::decays_over(double reach) const {
   const linalg::Matrix& a = mode_->flow.a();
-  const linalg::Rates rates = linalg::rates_by_speed(a);
+  const linalg::Rates& rates = space_.rates_of_motions();
   if (rates.empty()) return std::nullopt;
   const std::vector<linalg::Cut> cuts = linalg::find_cuts(rates, reach, 1.0 / reach);
   const linalg::WideVector y = Eigen::Map<const linalg::Vector>(segment_.y0.data(), a.rows()).cast<linalg::Wide>();

@@ -33,9 +33,8 @@ void KrylovSpace::add_sources(const Vector& zeta, std::vector<double>& r) const 
 void KrylovSpace::close(const Vector& w, double one, std::vector<double>& r) const {
   for (std::size_t i = 0; i < on_.size(); ++i) {
     const DescriptorPort& port = descriptor_.ports()[i];
-    const double given = source_part(port.slack, w, one);
     const double weight = factor_->closing() ? factor_->closing()->of_slack[i] : on_[i] != 0 ? 1.0 : 0.0;
-    r[static_cast<std::size_t>(port.row)] = -weight * given;
+    r[static_cast<std::size_t>(port.row)] = weight != 0.0 ? -weight * source_part(port.slack, w, one) : 0.0;
   }
 }
 
@@ -143,15 +142,9 @@ double KrylovSpace::size_of_states(const std::vector<double>& z) const {
 double KrylovSpace::largest_conducted(const std::vector<double>& z) {
   sizes_.resize(z.size());
   for (std::size_t i = 0; i < z.size(); ++i) sizes_[i] = std::abs(z[i]);
-  const int *const start = conduction_of_nodes_.pattern.start.data(), *const column = conduction_of_nodes_.pattern.row.data();
-  const double *const conduction = conduction_of_nodes_.values.data(), *const size = sizes_.data();
-  double most = 0.0;
-  for (std::size_t node = 0; node + 1 < conduction_of_nodes_.pattern.start.size(); ++node) {
-    double sum = 0.0;
-    for (int k = start[node]; k < start[node + 1]; ++k) sum += conduction[k] * size[column[k]];
-    most = std::max(most, sum);
-  }
-  return most;
+  conducted_.resize(static_cast<std::size_t>(conduction_of_nodes_.pattern.size));
+  linalg::multiply_transposed(conduction_of_nodes_, sizes_.data(), conducted_.data());
+  return largest(conducted_);
 }
 
 /// Of the norm of a solution: voltages of stores are differences of those of nodes, and currents of inductors may be held by resistors between nodes, or move by the

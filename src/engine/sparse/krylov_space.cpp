@@ -8,7 +8,10 @@
 #include "base/arithmetic.hpp"
 #include "base/disjoint_sets.hpp"
 #include "engine/sparse/tolerances.hpp"
+#include "linalg/columns.hpp"
 #include "linalg/factorisations.hpp"
+#include "linalg/hessenberg_eigenvalues.hpp"
+#include "linalg/small.hpp"
 
 namespace pwlsim::engine::sparse {
 
@@ -26,12 +29,12 @@ constexpr int most_terms = 40, first_terms = 2;
 constexpr double share_of_term = 0.25;
 constexpr double least_current = 1e-6;  ///< of the voltages, both in volts: where all begin at zero, a current is no part of itself
 
-/// The rows of G that are rows of E, too.
+/// The rows of G that are rows of E, too, as columns.
 linalg::SparseMatrix conduction_of_stores(const linalg::SparseMatrix& conduction, const std::vector<char>& is_differential) {
   std::vector<double> values = conduction.values;
   for (std::size_t e = 0; e < values.size(); ++e)
     if (is_differential[static_cast<std::size_t>(conduction.pattern.row[e])] == 0) values[e] = 0.0;
-  return linalg::without_zeros(conduction.pattern, values);
+  return linalg::transposed(linalg::without_zeros(conduction.pattern, values), conduction.pattern.size);
 }
 
 }  // namespace
@@ -93,6 +96,7 @@ void KrylovSpace::reserve(int columns) {
   const Eigen::Index cols = std::max<Eigen::Index>(columns, 2 * vectors_.cols());
   vectors_.conservativeResize(n, cols);
   changes_.conservativeResize(n, cols);
+  sums_.conservativeResize(n, cols);
   lost_.conservativeResize(cols);
   delta_.conservativeResize(cols);
   largest_.conservativeResize(4, cols);
@@ -215,8 +219,7 @@ void KrylovSpace::note_decay(std::vector<std::vector<double>>& decays) const {
 std::vector<double> KrylovSpace::impulses() {
   const Vector c = norm_ * k_.col(0);  // (1 − γ A_m)⁻¹ = 1 + H takes y(0) to norm·e₁
   std::vector<double> z(static_cast<std::size_t>(descriptor_.size()));
-  Eigen::Map<Vector>(z.data(), vectors_.rows()) =
-      norm_ * vectors_.col(0) - vectors_.leftCols(dimension_) * c - changes_.leftCols(dimension_) * c;
+  Eigen::Map<Vector>(z.data(), vectors_.rows()) = norm_ * vectors_.col(0) - sums_.leftCols(dimension_) * c;
   resting_.add_impulses(given_start_, stores_, shift_, z);
   return z;
 }
@@ -226,7 +229,7 @@ void KrylovSpace::apply(int j) {
   const Vector zeta = zetas_.col(j);
   const Vector change = after_step(exosystem_, 1.0 / shift_, exosystem_.rates(zeta) / shift_);
   right_.resize(static_cast<std::size_t>(descriptor_.size()));
-  linalg::multiply(conduction_of_stores_.pattern, conduction_of_stores_.values, vectors_.col(j).data(), right_.data());
+  linalg::multiply_transposed(conduction_of_stores_, vectors_.col(j).data(), right_.data());
   for (double& value : right_) value = -value;
   add_sources(zeta, right_);
   for (std::size_t i = 0; i < right_.size(); ++i)
@@ -235,6 +238,7 @@ void KrylovSpace::apply(int j) {
   descriptor_.add_sources(w.data(), right_.data());
   solve(right_, w, change[exosystem_.constant()]);
   changes_.col(j) = Eigen::Map<const Vector>(right_.data(), changes_.rows());
+  sums_.col(j) = vectors_.col(j) + changes_.col(j);
   note_largest(vectors_, 0, j);
   note_largest(changes_, 2, j);
   zeta_changes_.col(j) = change;
@@ -258,7 +262,10 @@ void KrylovSpace::add_vector() {
   may_go_on_ = full_ && h > std::max(tolerance::least_direction, clear_direction * delta_[j]);
   if (full_ && !may_go_on_) return;
   note_lost(c, size, h);
-  vectors_.col(j + 1) = (changes_.col(j) - vectors_.leftCols(j + 1) * c) / h;
+  const Vector less = -c;
+  vectors_.col(j + 1) = changes_.col(j);
+  linalg::add_product(linalg::first_columns(vectors_, j + 1), less.data(), vectors_.col(j + 1).data());
+  vectors_.col(j + 1) /= h;
   zetas_.col(j + 1) = (zeta_changes_.col(j) - zetas_.leftCols(j + 1) * c) / h;
   measured_.col(j + 1) = x / h;
 }
@@ -295,6 +302,7 @@ void KrylovSpace::shrink(int m) {
 }
 
 void KrylovSpace::reduce() {
+  rates_of_motions_.reset();
   const int m = dimension_;
   const Matrix h = h_matrix_.topLeftCorner(m, m), one = Matrix::Identity(m, m) + h;
   k_ = Eigen::PartialPivLU<Matrix>(one).inverse();
@@ -318,7 +326,19 @@ KrylovSpace::Relation KrylovSpace::relation() const {
 double KrylovSpace::turning(double least) const {
   const Matrix& a = flow_.a();
   const double bound = 0.5 * (a - a.transpose()).norm();  // Bendixson
-  return bound > least ? a.eigenvalues().imag().cwiseAbs().maxCoeff() : bound;
+  if (!(bound > least)) return bound;
+  double fastest = 0.0;
+  for (const std::complex<double>& rate : rates_of_motions()) fastest = std::max(fastest, std::abs(rate.imag()));
+  return fastest;
+}
+
+/// A_m = H (1 + H)⁻¹/γ has the eigenvectors of H.
+const linalg::Rates& KrylovSpace::rates_of_motions() const {
+  if (rates_of_motions_) return *rates_of_motions_;
+  linalg::Rates& rates = rates_of_motions_.emplace(linalg::hessenberg_eigenvalues(h_matrix_.topLeftCorner(dimension_, dimension_)));
+  for (std::complex<double>& rate : rates) rate *= shift_ / (1.0 + rate);
+  std::sort(rates.begin(), rates.end(), [](const auto& x, const auto& y) { return std::abs(x) > std::abs(y); });
+  return rates;
 }
 
 double KrylovSpace::defect_at_start() const { return h_ * std::abs(last_row_.dot(flow_.a() * first_) - shift_ * last_row_.dot(first_)); }
@@ -336,11 +356,14 @@ double KrylovSpace::weight_of_error() const {
   return std::min(weight, tolerance::most_weight_of_error);
 }
 
+/// Of checkpoints over a length: a power of two, for which the flow keeps its matrix.
+double KrylovSpace::step_of(double length) { return std::exp2(std::ceil(std::log2(length / checkpoints))); }
+
 const std::vector<KrylovSpace::Checkpoint>& KrylovSpace::estimate(double length) {
   const int m = dimension_;
   estimate_.clear();
   const double weight = weight_of_error() * h_;
-  const double step = std::exp2(std::ceil(std::log2(length / checkpoints)));  // whose powers the flow keeps
+  const double step = step_of(length);
   Vector y = first_;
   work_.resize(2 * m);
   reach_ = first_.cwiseAbs();
@@ -367,22 +390,23 @@ bool KrylovSpace::grows(double length) {
   for (Eigen::Index i = 0; i < y.size(); ++i) y[i] = i % 2 == 0 ? 1.0 : -1.0;
   const double before = y.norm();
   work_.resize(2 * static_cast<std::size_t>(dimension_));
-  flow_.apply_once(length, y.data(), work_.data());
+  const double step = dimension_ > linalg::largest_small ? step_of(length) : length;  // small matrices are squared faster than that
+  for (double left = length; left > 0.0; left -= step) flow_.apply_once(std::min(step, left), y.data(), work_.data());
   return !(y.norm() <= most_growth * before);
 }
 
 /// All of a vector at once: forms read it in any order.
 Matrix KrylovSpace::rows(const std::vector<Reading>& readings) const {
   Matrix of_vectors(static_cast<Eigen::Index>(readings.size()), dimension_);
-  Vector z, zeta, w;
+  Vector zeta, w;
   for (Eigen::Index j = 0; j < dimension_; ++j) {
-    z = vectors_.col(j) + changes_.col(j);
+    const double* const z = sums_.col(j).data();
     zeta = zetas_.col(j) + zeta_changes_.col(j);
     w = exosystem_.values(zeta);
     const double one = zeta[exosystem_.constant()];
     for (std::size_t i = 0; i < readings.size(); ++i) {
       const Reading& value = readings[i];
-      const double size = value.form != nullptr ? Form::sum(value.form->z, z.data(), source_part(*value.form, w, one))
+      const double size = value.form != nullptr ? Form::sum(value.form->z, z, source_part(*value.form, w, one))
                           : value.unknown >= 0  ? z[value.unknown]
                                                 : 0.0;
       of_vectors(static_cast<Eigen::Index>(i), j) = value.factor * size + value.offset * one;
@@ -393,8 +417,7 @@ Matrix KrylovSpace::rows(const std::vector<Reading>& readings) const {
 
 Vector KrylovSpace::row_of_unknowns(const Form& form) const {
   Vector sum = Vector::Zero(dimension_);
-  for (const Form::IndexedTerm& part : form.z)
-    sum += part.coefficient * (vectors_.row(part.index).head(dimension_) + changes_.row(part.index).head(dimension_)).transpose();
+  for (const Form::IndexedTerm& part : form.z) sum += part.coefficient * sums_.row(part.index).head(dimension_).transpose();
   return k_.transpose() * sum;
 }
 
@@ -438,8 +461,8 @@ double KrylovSpace::loss() const {
 
 void KrylovSpace::unknowns(const double* y, std::vector<double>& z) const {
   const Vector c = k_ * Eigen::Map<const Vector>(y, dimension_);
-  z.resize(static_cast<std::size_t>(descriptor_.size()));
-  Eigen::Map<Vector>(z.data(), vectors_.rows()) = vectors_.leftCols(dimension_) * c + changes_.leftCols(dimension_) * c;
+  z.assign(static_cast<std::size_t>(descriptor_.size()), 0.0);
+  linalg::add_product(linalg::first_columns(sums_, dimension_), c.data(), z.data());
 }
 
 double KrylovSpace::rounding_at_start() {

@@ -23,6 +23,7 @@
 #include "engine/sparse/start_change.hpp"
 #include "linalg/dense.hpp"
 #include "linalg/exponential.hpp"
+#include "linalg/fast_decays.hpp"
 #include "model/exosystem.hpp"
 
 namespace pwlsim::engine::sparse {
@@ -87,6 +88,8 @@ class KrylovSpace {
   [[nodiscard]] const linalg::Exponential& flow() const { return flow_; }
   /// The fastest oscillation in the space, radians per s; a bound of it where that is not more than `least`.
   [[nodiscard]] double turning(double least) const;
+  /// Rates of the motions in it, the fastest first, 1/s. Empty where they do not converge.
+  [[nodiscard]] const linalg::Rates& rates_of_motions() const;
   /// The error in the norm of the space at up to `checkpoints` times, the last of them length: h|b(τ)| and a tenth of h ∫|b' − b/γ|.
   static constexpr int checkpoints = 32;
   /// √energy a second by which y' at the start misses the equations, in the norm of the space.
@@ -161,6 +164,7 @@ class KrylovSpace {
   void close(const linalg::Vector& w, double one, std::vector<double>& r) const;
   [[nodiscard]] double source_part(const Form& form, const linalg::Vector& w, double one) const;
   [[nodiscard]] bool contradicts(const std::vector<double>& z, const linalg::Vector& w, double one) const;
+  [[nodiscard]] static double step_of(double length);
   [[nodiscard]] double weight_of_error() const;
   void measure(const std::vector<double>& z, const linalg::Vector& zeta, double* x) const;
   [[nodiscard]] double largest_conducted(const std::vector<double>& z);
@@ -190,7 +194,7 @@ class KrylovSpace {
   std::vector<char> differential_;
   std::vector<double> stores_;  ///< the diagonal of E
   double coupling_ = 1.0;
-  linalg::SparseMatrix conduction_of_stores_;  ///< the rows of G that are rows of E, too
+  linalg::SparseMatrix conduction_of_stores_;  ///< the rows of G that are rows of E, too, as columns
   linalg::SparseMatrix conduction_of_nodes_;   ///< the rows of nodes of |G|, as columns
   std::vector<double> state_weight_;
   std::vector<double> state_sizes_;                             ///< empty: errors count by their energy alone
@@ -206,9 +210,9 @@ class KrylovSpace {
   bool is_assembled_ = false;  ///< the matrix is in `values_`
   bool may_go_on_ = false;     ///< z_{m+1} is a vector, and small
   bool full_ = false, sound_ = true, begins_roughly_ = false, is_refined_ = true, refines_ = false;
-  linalg::Matrix vectors_, changes_;     ///< Z and T Z (unknowns × columns)
-  linalg::Matrix zetas_, zeta_changes_;  ///< the same of ζ
-  linalg::Matrix largest_;               ///< the largest voltage and the largest other unknown of each column of Z, and of T Z
+  linalg::Matrix vectors_, changes_, sums_;  ///< Z, T Z, and W, their sum (unknowns × columns)
+  linalg::Matrix zetas_, zeta_changes_;      ///< the same of ζ
+  linalg::Matrix largest_;                   ///< the largest voltage and the largest other unknown of each column of Z, and of T Z
   linalg::Matrix passed_on_;     ///< what each solution's rounding makes of each vector: orthogonalisation adds it up, signs included
   linalg::Vector delta_;         ///< rounding of T z of each vector, in the norm of the space
   linalg::Vector lost_;          ///< rounding of a vector in that of its largest terms: what orthogonalisation costs
@@ -216,7 +220,8 @@ class KrylovSpace {
   linalg::Matrix h_matrix_, k_;  ///< H (one row more than columns) and K
   linalg::Vector first_, last_row_, reach_;  ///< y(0), eᵀK, max |y|
   linalg::Exponential flow_;
-  std::vector<double> right_, product_, sizes_, values_, work_;
+  mutable std::optional<linalg::Rates> rates_of_motions_;
+  std::vector<double> right_, product_, sizes_, conducted_, values_, work_;
   std::vector<long double> wide_;
   std::vector<Checkpoint> estimate_;
   std::vector<double> given_start_, start_;  ///< z₀ as it was given, and without what carries nothing

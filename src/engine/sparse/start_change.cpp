@@ -44,6 +44,7 @@ void StartChange::take(const std::vector<double>& z, const std::vector<double>& 
 
 double StartChange::closing(const DescriptorPort& port, double of_slack, double of_input, bool is_at_zero) const {
   if (is_at_zero) return -of_slack * Form::sum(port.slack.w, change_.data());
+  if (of_slack == 0.0) return -of_input * z_[port.row];
   const bool has_sources = one_ != 0.0;
   double slack = has_sources ? port.slack.value(z_, w_.data()) : Form::sum(port.slack.z, z_);
   const double size = has_sources ? port.slack_size(z_, w_.data()) : Form::size_of(port.slack.z, z_);
