@@ -1,5 +1,5 @@
 #pragma once
-/// Eigenvalues of a matrix that is zero below its first subdiagonal, without vectors: by double steps of QR on what is left of it (Martin, Peters and Wilkinson, Numer. Math. 14 (1970)).
+/// Eigenvalues of a matrix that is zero below its first subdiagonal, without vectors.
 
 #include <complex>
 #include <vector>
@@ -9,6 +9,6 @@
 namespace pwlsim::linalg {
 
 /// Empty where they do not converge.
-[[nodiscard]] std::vector<std::complex<double>> hessenberg_eigenvalues(Matrix h);
+[[nodiscard]] std::vector<std::complex<double>> hessenberg_eigenvalues(const Matrix& h);
 
 }  // namespace pwlsim::linalg

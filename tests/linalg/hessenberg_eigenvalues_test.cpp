@@ -28,9 +28,9 @@ Matrix companion(const Values& roots) {
 void check_roots(const Values& roots) {
   const Values found = hessenberg_eigenvalues(companion(roots));
   REQUIRE(found.size() == roots.size());
-  constexpr double tolerance = 1e-10;  // the condition of such roots is below 1e5
+  constexpr double close = 1e-10;  // the condition of such roots is below 1e5
   for (const auto& root : roots)
-    CHECK(std::any_of(found.begin(), found.end(), [&](const auto& value) { return std::abs(value - root) < tolerance; }));
+    CHECK(std::any_of(found.begin(), found.end(), [&](const auto& value) { return std::abs(value - root) < close; }));
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ TEST_CASE("eigenvalues of companion matrices are the roots", "[unit]") {
   check_roots({{0.0, 1.0}, {0.0, -1.0}, {-1.0, 3.0}, {-1.0, -3.0}, 2.0});
 }
 
-// All on the unit circle: without other shifts now and then the steps turn in a circle, too.
+// All on the unit circle: steps without other shifts now and then would turn in a circle, too.
 TEST_CASE("a cyclic permutation has the roots of one", "[unit]") {
   for (const int n : {3, 4, 8}) {
     Values roots;
