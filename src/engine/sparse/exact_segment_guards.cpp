@@ -213,7 +213,7 @@ double ExactSegment::noise_of_row(int row, double least) const {
   const double held = row < ports && !is_input && jump_voltage_ == 0.0 ? held_[static_cast<std::size_t>(row)] : 0.0;
   const double known = std::max({rounding * size_of_kind(row), held, tolerance::jump_rounding * jump_voltage_});
   const double size = std::max(terms_[row], share_of_norm * norm);
-  return std::max({relaxed * least, tolerance::row_rounding / share_of_norm * terms_of(row) / norm, known / size});
+  return std::max({least, tolerance::row_rounding / share_of_norm * terms_of(row) / norm, known / size});
 }
 
 /// Of guards that are clear of zero while the start is in them: what it makes of a decay's size passes with it.

@@ -41,7 +41,7 @@ constexpr std::array<Relaxation, 10> relaxations{{{.ways = Ways::directly_or_by_
                                                   {.length = 0x1p-12},
                                                   {.length = 0x1p-24},
                                                   {.decays_jump = true, .given_jumps = true},
-                                                  {.factor = 30.0, .takes_positive = true, .given_jumps = true}}};
+                                                  {.factor = 100.0, .takes_positive = true, .given_jumps = true}}};
 /// Tolerances of a segment: what counts as rounding of signs, and where steps find the position, or the run has not moved since the last one.
 constexpr double wide_noise = 100.0;
 constexpr double shortest_with_jumps = 1e-5;  ///< of the usual length: in steps for shorter segments impulses leave states no digits
@@ -230,8 +230,9 @@ bool PartRun::find_segment(const Beginning& beginning, Instant& instant) {
   const bool has_moved = point_.time > segment_->start();  // else guards at rounding could pass each other for ever
   for (const Relaxation& relaxation : relaxations) {
     if (!has_moved && relaxation.takes_positive && relaxation.ways == Ways::directly) continue;
+    if (passing_ < 0 && relaxation.length < 1.0 && relaxation.ways == Ways::directly) continue;
     const bool takes_steps = relaxation.ways == Ways::by_steps || relaxation.ways == Ways::all;
-    segment_->relax(relaxation.factor, takes_steps || !has_moved ? wide_noise : 1.0, relaxation.takes_positive);
+    segment_->relax(relaxation.factor, takes_steps || !has_moved ? relaxation.factor * wide_noise : 1.0, relaxation.takes_positive);
     segment_->shorten(relaxation.length);
     segment_->refine(relaxation.refines);
     may_jump_ = relaxation.jumps;
