@@ -14,10 +14,10 @@ namespace {
 using Eigen::Index;
 
 /// Ratio of neighbouring rates that makes a cut, and where none is as large. At a hundred, what the slow motion does while the decays last hides an event (a boost rectifier's
-/// diode, from rest); where decays are only told apart in what is followed as a whole, that is enough.
-constexpr double gap = 1e4, least_gap = 1e3, least_gap_of_part = 1e2;
+/// diode, from rest); where decays are only told apart in what is followed as a whole, less is enough.
+constexpr double gap = 1e4, least_gap = 1e3;
 constexpr int most_turns_of_subspace = 32;
-/// Before a change that does not shrink to `least_progress` counts as rounding: the least gap makes it 0.15 of the last.
+/// Before a change that does not shrink to `least_progress` counts as rounding: a gap of thirty makes it a quarter of the last.
 constexpr int fewest_turns_of_subspace = 3;
 constexpr Wide least_progress = 0.5L;
 
@@ -52,9 +52,9 @@ Cut find_cut(const Rates& rates, double longest, double other) {
   return cut.fast > 0 ? cut : cut_at(rates, longest, other, least_gap);
 }
 
-std::vector<Cut> find_cuts(const Rates& rates, double longest, double other) {
+std::vector<Cut> find_cuts(const Rates& rates, double longest, double other, double ratio) {
   std::vector<Cut> cuts;
-  for_each_cut(rates, longest, other, least_gap_of_part, [&](const Cut& cut) { cuts.push_back(cut); });
+  for_each_cut(rates, longest, other, ratio, [&](const Cut& cut) { cuts.push_back(cut); });
   return cuts;
 }
 
@@ -118,7 +118,7 @@ std::optional<FastPart> fast_part(const Matrix& a, const Rates& rates) {
   if (rates.empty()) return std::nullopt;
   const double slowest = std::abs(rates.back());
   Cut cut = find_cut(rates, INFINITY, slowest);
-  if (cut.fast == 0) cut = cut_at(rates, INFINITY, slowest, least_gap_of_part);
+  if (cut.fast == 0) cut = cut_at(rates, INFINITY, slowest, gap_of_motions);
   const std::optional<WideFastPart> part = fast_part(a, cut.fast);
   if (!part) return std::nullopt;
   return FastPart{part->fast.cast<double>(), part->coordinates.cast<double>(), cut.fast_rate};

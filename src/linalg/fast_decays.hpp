@@ -9,6 +9,8 @@
 
 namespace pwlsim::linalg {
 
+/// Ratio of neighbouring rates that tells two motions apart.
+inline constexpr double gap_of_motions = 1e2;
 /// Of a plain decay, −Re λ/|λ| is more.
 inline constexpr double least_damping = 0.999;
 
@@ -27,8 +29,8 @@ struct Cut {
 /// The cut with the slowest decays whose time constant is at most `longest`, s. `other`: a rate that is there beside those, 1/s.
 [[nodiscard]] Cut find_cut(const Rates& rates, double longest, double other);
 
-/// All cuts whose gap tells two motions apart, the fastest first.
-[[nodiscard]] std::vector<Cut> find_cuts(const Rates& rates, double longest, double other);
+/// All cuts whose gap is wider than `ratio`, the fastest first.
+[[nodiscard]] std::vector<Cut> find_cuts(const Rates& rates, double longest, double other, double ratio = gap_of_motions);
 
 /// Orthonormal basis of the columns' span, by Gram and Schmidt's method, twice (Giraud, Langou, Rozložník, Comput. Math. Appl. 50 (2005)). A column that depends on those before it becomes zero.
 [[nodiscard]] WideMatrix orthonormal(WideMatrix m);

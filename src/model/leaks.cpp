@@ -72,7 +72,7 @@ class LeakFinder {
 }  // namespace
 
 void put_ports_beside_leaks(Network& network) {
-  if (network.inductors.empty() || (network.diodes.empty() && network.complementarities.empty() && network.switches.empty())) return;
+  if (network.inductors.empty()) return;
   for (const Resistor* leak : LeakFinder(network).run())
     network.diodes.push_back({.label = {{}, leak->label.span}, .p = leak->p, .n = leak->n, .blocks = true, .is_of_leak = true});
 }

@@ -15,7 +15,7 @@ inline constexpr double least_leak = 1e6;
 inline constexpr double least_rate = 1e9;
 
 /// A diode that blocks for good (Diode::blocks) is put beside each leak of a tree of leaks between parts that capacitors, sources, smaller resistors, diodes and
-/// contacts hold together, where an inductor crosses the cut that the leak closes. A network without diodes and switches stays as it is: it has one mode.
+/// contacts hold together, where an inductor crosses the cut that the leak closes.
 void put_ports_beside_leaks(Network& network);
 /// The network as it was: nothing but a mode of the dense engine keeps these diodes from conducting.
 [[nodiscard]] Network without_ports_of_leaks(Network network);

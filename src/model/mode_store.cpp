@@ -17,6 +17,30 @@ constexpr std::size_t most_remembered = 6;
 /// How long a mode is followed at most, against the same: a hundredth of the run.
 constexpr double followed_per_unseen = 1e7;
 
+/// Whether e^{Aτ} loses digits of a motion that is followed for `time`, or the slow rates in A beside the fast ones. `rate`: of A, at least.
+bool loses_digits(double rate, double time) { return rate * time * tolerance::unit_rounding > tolerance::lost_in_flow; }
+
+/// Where the motions of a mode part: at the widest gaps, and at as few as leave no part that loses digits of its own slowest motion before that is over.
+struct Parting {
+  const Rates& rates;
+  const std::vector<Cut>& possible;
+  double norm = 1.0;  ///< ‖A‖ against the fastest rate
+  std::vector<Cut> cuts{};
+
+  /// Motions `first` … `last` − 1, of which the slowest are followed for `time`.
+  void part(Eigen::Index first, Eigen::Index last, double time) {
+    if (first >= last || !loses_digits(norm * std::abs(rates[static_cast<std::size_t>(first)]), time)) return;
+    const Cut* widest = nullptr;
+    for (const Cut& cut : possible)
+      if (cut.fast > first && cut.fast < last && (!widest || cut.fast_rate * widest->slow_rate > widest->fast_rate * cut.slow_rate))
+        widest = &cut;
+    if (!widest) return;
+    part(first, widest->fast, std::min(time, time_constants_to_rest / widest->fast_rate));
+    cuts.push_back(*widest);
+    part(widest->fast, last, time);
+  }
+};
+
 }  // namespace
 
 ModeStore::Entry& ModeStore::look_up(const IndexSet& set) {
@@ -54,20 +78,26 @@ const Mode& ModeStore::followed(const Mode& mode) {
 
 std::unique_ptr<Mode> ModeStore::build_apart(const Known& about, const Mode& whole) {
   const double time = about.slow ? time_constants_to_rest * about.slow->decays->slowest : followed_per_unseen * unseen_;
-  if (!whole.regular || whole.ny == 0 || !loses_digits(whole, time)) return nullptr;
-  const double longest = brief_per_unseen * unseen_;
-  return apart(about, whole, whole, find_cuts(system_, rates_by_speed(whole, longest), longest));
+  if (!whole.regular || whole.ny == 0 || !loses_digits(whole.norm_a, time)) return nullptr;
+  return apart(about, whole, whole, rates_by_speed(whole, brief_per_unseen * unseen_), time);
 }
 
-/// Whether e^{Aτ} does, or the slow rates in A beside the fast ones.
-bool ModeStore::loses_digits(const Mode& mode, double time) { return mode.norm_a * time * tolerance::unit_rounding > tolerance::lost_in_flow; }
-
-/// `mode`, which is `whole` or its slow motion, with the slowest motion apart from the next faster one, both from the one that is faster again, and so on; null where there is none.
-std::unique_ptr<Mode> ModeStore::apart(const Known& about, const Mode& whole, const Mode& mode, const std::vector<Cut>& cuts) {
+/// `mode`, which is `whole` or its slow motion and followed for `time`, with the slowest motion apart from the next faster one, both from the one that is faster again, and so on; null
+/// where there is none.
+std::unique_ptr<Mode> ModeStore::apart(const Known& about, const Mode& whole, const Mode& mode, const Rates& rates, double time) {
+  const auto first = static_cast<Eigen::Index>(whole.n1 - mode.n1), count = static_cast<Eigen::Index>(rates.size());
+  if (first >= count) return nullptr;
+  const std::vector<Cut> possible = find_cuts(system_, rates, brief_per_unseen * unseen_);
+  Parting parting{rates, possible, mode.norm_a / std::abs(rates[static_cast<std::size_t>(first)])};
+  const Eigen::Index own = about.slow ? whole.n1 - about.slow->n1 : 0;  // a cut that there is already
+  parting.part(first, own > first ? own : count, time);
+  std::vector<Cut> cuts = std::move(parting.cuts);
+  for (const Cut& cut : possible)
+    if (own > first && cut.fast == own) cuts.push_back(cut);
   std::vector<std::unique_ptr<Mode>> made;
   const auto keep = [&](std::unique_ptr<Mode> next) { return made.emplace_back(std::move(next)).get(); };
   const Mode* slower = nullptr;
-  for (auto cut = cuts.rbegin(); cut != cuts.rend() && cut->fast > whole.n1 - mode.n1; ++cut) {
+  for (auto cut = cuts.rbegin(); cut != cuts.rend(); ++cut) {
     const auto is_at_cut = [&](const std::unique_ptr<Mode>& known) { return known && known->n1 + cut->fast == whole.n1; };
     const Mode* slow = is_at_cut(about.slow) ? about.slow.get() : is_at_cut(about.brief) ? about.brief.get() : nullptr;
     if (!slow) slow = keep(build_slow_mode(system_, whole, *cut, shifted_));
@@ -89,8 +119,8 @@ void ModeStore::split(Known& about, const Mode& whole) {
   const Rates rates = rates_by_speed(whole, longest);
   const Cut cut = find_cut(system_, rates, longest);
   about.slow = build_slow_mode(system_, whole, cut, shifted_);
-  if (about.slow && loses_digits(*about.slow, followed_per_unseen * unseen_))
-    if (auto made = apart(about, whole, *about.slow, find_cuts(system_, rates, longest))) about.slow = std::move(made);
+  if (const double time = followed_per_unseen * unseen_; about.slow && loses_digits(about.slow->norm_a, time))
+    if (auto made = apart(about, whole, *about.slow, rates, time)) about.slow = std::move(made);
   whole.slow = about.slow.get();
   if (!about.slow || time_constants_to_rest * about.slow->decays->slowest <= unseen_) return;
   const Cut brief = find_cut(system_, rates, unseen_ / time_constants_to_rest);

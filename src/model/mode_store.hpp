@@ -70,8 +70,7 @@ class ModeStore {
   Entry& look_up(const IndexSet& set);
   void split(Known& about, const Mode& whole);
   std::unique_ptr<Mode> build_apart(const Known& about, const Mode& whole);
-  [[nodiscard]] static bool loses_digits(const Mode& mode, double time);
-  std::unique_ptr<Mode> apart(const Known& about, const Mode& whole, const Mode& mode, const std::vector<Cut>& cuts);
+  std::unique_ptr<Mode> apart(const Known& about, const Mode& whole, const Mode& mode, const Rates& rates, double time);
   [[nodiscard]] Matrix open_directions(const Mode& mode) const;
 
   const System& system_;

@@ -75,9 +75,11 @@ class ShiftedSystems {
   return linalg::find_cut(rates, longest, system.exosystem->fastest());
 }
 
-/// All cuts, also those with smaller gaps, the fastest first.
+/// Ratio of rates on both sides of a cut with which the subspaces on both sides are found to all their digits.
+inline constexpr double least_gap_of_subspaces = 30.0;
+/// All cuts with at least that, the fastest first.
 [[nodiscard]] inline std::vector<Cut> find_cuts(const System& system, const Rates& rates, double longest) {
-  return linalg::find_cuts(rates, longest, system.exosystem->fastest());
+  return linalg::find_cuts(rates, longest, system.exosystem->fastest(), least_gap_of_subspaces);
 }
 
 /// Of `whole`, the mode of the active ports, whose rates have this cut. None if the fast part is not a plain decay.

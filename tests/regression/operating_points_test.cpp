@@ -228,3 +228,16 @@ TEST_CASE("a leak of a switch that charges a capacitor through its series resist
     CHECK(run.rows.front().back() == Approx(48.0).epsilon(tolerance));
   }
 }
+
+// Two phases are at 162.5 V together. One conducts, and through the other's 6.6 mOhm flows what Roff lets pass at Vfwd: 2 nV more than that turn it on. Beside 10 GOhm, held states hid them, and no mode was left.
+TEST_CASE("a diode that blocks nanovolts below its threshold has an operating point", "[regression]") {
+  constexpr double tolerance = 1e-9, least = 3e-7;
+  const DeckRun run = run_text(
+      "two phases\nV1 x n SIN(0 325 50 0 0 30)\nD1 x p DM\nV3 a n SIN(0 325 50 0 0 -210)\nR2 a y 0.006634\nD2 y p DM\nR3 n 0 1e+10\nR7 p n "
+      "58.55\n"
+      ".model DM D(Ron=0 Vfwd=0.3 Roff=1e+06)\n.save i(D1) i(D2)\n.tran 1e-11 5e-11\n.end\n");
+  REQUIRE(run.answer.outcome == engine::Outcome::completed);
+  CHECK(starts_at_rest(run));
+  CHECK(run.rows.front()[1] == Approx((162.5 - 0.3) / 58.55 - least).epsilon(tolerance));
+  CHECK(run.rows.front()[2] == Approx(least).epsilon(1e-4));
+}

@@ -491,3 +491,55 @@ TEST_CASE("a leak of 1 TOhm leaves the turn-off of a diode of milliohms its digi
   }
   CHECK(checked > 5);
 }
+
+// Four motions from 8e14 to 5e9 1/s beside slower ones, none a hundred times as fast as the next, which stood apart from none and took 10^-6 of i(L4). The last row is what the sparse engine tends to, and segments have.
+TEST_CASE("fast rates of which none is a hundred times the next take no digits of the currents", "[regression]") {
+  constexpr double expected = 0.1152076855, tolerance = 2e-8;  // 0.11520768476 with reltol = 1e-10, 0.11520767653 with 1e-9
+  const DeckRun run = run_text(
+      "quasi-Z-source inverter\n"
+      "C1 i 0 7.321e-07 ic=48\n"
+      "L2 i a 0.0003219\n"
+      "D1 a b DM\n"
+      "C2 a b 1.356e-10\n"
+      "L3 b p 0.0003219\n"
+      "C3 a p 0.0001458\n"
+      "C4 b 0 0.0001458 ic=75.86\n"
+      "L4 p o0 2.626e-08\n"
+      "C7 o0 0 2.333e-09\n"
+      "R4 o0 ld_1 1.211\n"
+      "L5 ld_1 st 0.003212\n"
+      "D4 o1 p DB\n"
+      "C8 p o1 1.33e-09\n"
+      "C9 o1 0 1.502e-09\n"
+      "R5 o1 sn_2 1.547\n"
+      "C10 sn_2 0 4.497e-09\n"
+      "R6 o1 ld_2 4.069\n"
+      "L6 ld_2 st 0.0004588\n"
+      "VG6 gl_3 0 PULSE(0 15 1.79324395e-05 1e-08 1e-08 6.21635992e-05 0.0001)\n"
+      "C11 p o2 6.006e-11\n"
+      "S6 o2 0 gl_3 0 SWM\n"
+      "R7 o2 co_1 0.5916\n"
+      "C12 co_1 0 3.476e-10\n"
+      "R8 o2 ld_3 2.219\n"
+      "L7 ld_3 st 0.0001879\n"
+      "R9 st 0 1e+11\n"
+      ".model SWM SW(Ron=0.001411 Roff=1e+10 Vt=5 Vh=1)\n"
+      ".model DB D(Ron=0.001411 Vfwd=0.539 Roff=1e+11)\n"
+      ".model DM D(Ron=0.01704 Vfwd=0.539 Roff=1e+11)\n"
+      ".tran 3.16667e-07 2.28e-05 uic\n"
+      ".save i(L4)\n"
+      ".end\n");
+  REQUIRE(run.answer.outcome == Outcome::completed);
+  CHECK(run.rows.back()[1] == Approx(expected).epsilon(tolerance));
+}
+
+// 10 MOhm between two inductors carries what their currents of 15.7 kA differ by: the last place of one is 2e-5 V. The voltage of the smaller one is a millionth of what the source changes by.
+TEST_CASE("a leak between two inductors has its digits without a diode, too", "[regression]") {
+  constexpr double tolerance = 1e-9;
+  const DeckRun run = run_text(
+      "two inductors\nR1 0 r 0.01789\nL1 r m 0.0007454\nV2 i 0 SIN(0 325 50 0 0 -120)\nL4 m i 1.032e-09\nR14 m 0 1e+07\n.save v(m) "
+      "v(i)\n.tran 3e-10 "
+      "1.8e-09\n.end\n");
+  REQUIRE(run.answer.outcome == Outcome::completed);
+  for (const auto& row : run.rows) CHECK(std::abs(row[1] - row[2]) <= tolerance);
+}

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include "engine/exact/static_mode.hpp"
@@ -20,6 +21,8 @@ using linalg::WideVector;
 /// How weakly states are held, in units of the slowest rate. Too strongly, and what leaks slowly counts as blocked; too weakly, and rounding
 /// decides what the hold should: each end of the ladder serves circuits that the other does not.
 constexpr double ladder[] = {1e-8, 1e-6, 1e-10, 1e-4, 1e-12, 1e-2, 1e-14};
+/// So often ports of a wrong sign change sides, where nothing proposed is a solution: at first never, then what the hold hides (a diode's Roff across milliohms) shows in the mode itself.
+constexpr int rounds_of_sides[] = {0, 4};
 
 class StaticProblem {
  public:
@@ -36,20 +39,25 @@ class StaticProblem {
     bool kernel = false;      ///< its mode leaves ξ open
     bool degenerate = false;  ///< of some diode neither u nor y is positive
     std::vector<int> active;
+    std::vector<int> wrong;  ///< diodes of which u or y is negative
   };
 
   /// The first that no other can be nearer to x₀ than, else the nearest found.
   [[nodiscard]] std::optional<Found> nearest(const Vector& x0) const {
     std::optional<Found> best;
-    for (const double share : ladder) {
-      const StaticPorts::Proposal proposal = ports_.propose(share * ports_.slowest_rate(), x0, switch_active_);
-      for (const auto& active : proposal.active) {
-        auto found = solution_of(active, x0);
-        if (!found) continue;
-        const bool is_alone = !found->kernel && !found->degenerate;
-        const bool is_nearest = !system_.passive || is_alone || found->distance <= proposal.distance * (1.0 + tolerance::dc_same_distance);
-        if (!best || found->distance < best->distance) best = std::move(found);
-        if (is_nearest) return best;
+    for (const int rounds : rounds_of_sides) {
+      if (best) break;
+      for (const double share : ladder) {
+        const StaticPorts::Proposal proposal = ports_.propose(share * ports_.slowest_rate(), x0, switch_active_);
+        for (const auto& active : proposal.active) {
+          auto found = solution_from(active, x0, rounds);
+          if (!found) continue;
+          const bool is_alone = !found->kernel && !found->degenerate;
+          const bool is_nearest =
+              !system_.passive || is_alone || found->distance <= proposal.distance * (1.0 + tolerance::dc_same_distance);
+          if (!best || found->distance < best->distance) best = std::move(found);
+          if (is_nearest) return best;
+        }
       }
     }
     return best;
@@ -74,33 +82,44 @@ class StaticProblem {
   }
 
  private:
+  [[nodiscard]] std::optional<Found> solution_from(std::vector<int> active, const Vector& x0, int rounds) const {
+    for (;; --rounds) {
+      std::optional<Found> found = solution_of(active, x0);
+      if (!found || found->wrong.empty()) return found;
+      if (rounds == 0) return std::nullopt;
+      std::vector<int> other;
+      std::set_symmetric_difference(active.begin(), active.end(), found->wrong.begin(), found->wrong.end(), std::back_inserter(other));
+      active = std::move(other);
+    }
+  }
+
+  /// Of the mode, whatever its signs.
   [[nodiscard]] std::optional<Found> solution_of(const std::vector<int>& active, const Vector& x0) const {
     StaticModeSolution mode = solve_static_mode(system_, zeta_, active, x0, ports_.slowest_rate());
     if (!mode.exists) return std::nullopt;
-    Found found{std::move(mode.xi), std::move(mode.u), 0.0, !mode.unique, false, active};
+    Found found{std::move(mode.xi), std::move(mode.u), 0.0, !mode.unique, false, active, {}};
     found.distance = static_cast<double>((found.xi - x0.cast<Wide>()).norm());
-    if (!signs_hold(active, found)) return std::nullopt;
+    judge_signs(found);
     return found;
   }
 
-  [[nodiscard]] bool signs_hold(const std::vector<int>& active, Found& found) const {
+  void judge_signs(Found& found) const {
     const auto wide = system_.unrounded_matrices();
-    const Eigen::Index d = system_.diodes;
-    if (d == 0) return true;
+    const int d = system_.diodes;
+    if (d == 0) return;
     WideVector x(system_.size());
     x << found.xi, zeta_.cast<Wide>();
     WideVector y = (wide->c * x + wide->d * found.u).head(d);
     const WideVector terms = (wide->c.cwiseAbs() * x.cwiseAbs() + wide->d.cwiseAbs() * found.u.cwiseAbs()).head(d);
-    for (const int i : active)
+    for (const int i : found.active)
       if (i < d) y[i] = 0;
     const Wide tolerance = tolerance::dc_sign * std::max({terms.maxCoeff(), found.u.cwiseAbs().maxCoeff(),
                                                           std::sqrt(Wide{ports_.slowest_rate()}) * found.xi.norm()});
-    for (Eigen::Index i = 0; i < d; ++i) {
+    for (int i = 0; i < d; ++i) {
       if (std::find(blocked_.begin(), blocked_.end(), i) != blocked_.end()) continue;
-      if (found.u[i] < -tolerance || y[i] < -tolerance) return false;
+      if (found.u[i] < -tolerance || y[i] < -tolerance) found.wrong.push_back(i);
       found.degenerate = found.degenerate || (found.u[i] <= tolerance && y[i] <= tolerance);
     }
-    return true;
   }
 
   const model::System& system_;
