@@ -47,13 +47,15 @@ bool ExactSegment::is_undecided_by_habit(double longest) {
 
 double ExactSegment::steps_wanted() const { return has_all_decays_ ? steps_for_decays : steps_of_length; }
 
-/// Whether a length wants its 1/γ for the fastest oscillation, not for its own sake. A space of few vectors is full at any γ.
+/// Whether a length wants its 1/γ for the fastest oscillation, not for its own sake.
 bool ExactSegment::is_for_turning(const Habit& habit, double length) const {
   return habit.turns_many_vectors && habit.turning / habit.turn > steps_wanted() / length;
 }
 
+/// A space of few vectors is full at any γ, and has the less rounding the longer that is.
 double ExactSegment::wanted_shift(const Habit& habit, double length) const {
-  return shift_factor_ * std::max(steps_wanted() / length, habit.turning / habit.turn);
+  const double of_turning = habit.turns_many_vectors ? habit.turning / habit.turn : 0.0;
+  return shift_factor_ * std::max(steps_wanted() / length, of_turning);
 }
 
 /// 1/γ of a rung.
